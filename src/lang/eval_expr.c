@@ -87,6 +87,29 @@ bool eval_hint_at_axis(Evaluator *evaluator, Diagnostic *report, const Expr *exp
     return axis != NULL;
 }
 
+static bool is_vector(ValueKind kind)
+{
+    return kind == VALUE_VECTOR2 || kind == VALUE_VECTOR3 || kind == VALUE_VECTOR4;
+}
+
+/* <1, 2, 3> + 1 */
+static void hint_number_and_vector(Evaluator *evaluator, Diagnostic *report, const Expr *expr, const Value *a,
+                                   const Value *b)
+{
+    enum { LONGEST = 32 };
+    bool number_first = a->kind == VALUE_NUMBER;
+    const Expr *number = number_first ? expr->as.op.a : expr->as.op.b;
+    if (eval_hint_at_axis(evaluator, report, number) || expr->kind < EXPR_ADD || expr->kind > EXPR_POWER) return;
+    unsigned width = value_width(number_first ? b->kind : a->kind);
+    const char *a_text = eval_written(evaluator, expr->as.op.a->span, LONGEST, "\n", number_first ? "..." : "v"),
+               *b_text = eval_written(evaluator, expr->as.op.b->span, LONGEST, "\n", number_first ? "v" : "...");
+    const char *operation = operator_text(expr->kind);
+    if (number_first)
+        diag_hint(evaluator->diag, report, "write: vec%u(%s) %s %s", width, a_text, operation, b_text);
+    else
+        diag_hint(evaluator->diag, report, "write: %s %s vec%u(%s)", a_text, operation, width, b_text);
+}
+
 static void wrong_operands(Evaluator *evaluator, Expr *expr, const Value *a, const Value *b, Value *result)
 {
     result->kind = VALUE_POISON;
@@ -105,8 +128,8 @@ static void wrong_operands(Evaluator *evaluator, Expr *expr, const Value *a, con
                   a->as.number / 100);
     else if (expr->kind == EXPR_ADD && a->kind == VALUE_LIST)
         diag_hint(evaluator->diag, report, "write: list + [element]");
-    else if ((a->kind == VALUE_VECTOR3 && b->kind == VALUE_NUMBER) || (a->kind == VALUE_NUMBER && b->kind == VALUE_VECTOR3))
-        eval_hint_at_axis(evaluator, report, a->kind == VALUE_NUMBER ? expr->as.op.a : expr->as.op.b);
+    else if ((is_vector(a->kind) && b->kind == VALUE_NUMBER) || (a->kind == VALUE_NUMBER && is_vector(b->kind)))
+        hint_number_and_vector(evaluator, report, expr, a, b);
 }
 
 static void not_finite(Evaluator *evaluator, Expr *expr, const char *what, Value *result)

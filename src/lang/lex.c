@@ -269,6 +269,8 @@ static void report_unit(Lexer *lexer, uint32_t begin, uint32_t end)
         diag_hint(lexer->diag, report, "write a number of seconds: 10 * 60s");
     else if (habit_is_one_of("W mW kW watt watts lm lumen cd", wrong))
         diag_hint(lexer->diag, report, "power is in watts, and radiance in W/(m^2 sr), without a unit");
+    else if (strcmp(wrong, "\xc2\xb5m") == 0 || strcmp(wrong, "\xce\xbcm") == 0) /* the sign, and the letter */
+        diag_hint(lexer->diag, report, "write: %.*sum", (int)(begin - number), lexer->text + number);
     else if (habit_unit(wrong))
         diag_hint(lexer->diag, report, "write '%s'", habit_unit(wrong));
     else

@@ -190,7 +190,8 @@ static Stmt *parse_bind(Parser *parser)
     const char *whole = arena_format(parser->arena, "%s %s = %s", word, stmt->as.bind.name->text, value);
     if (parse_no_value(parser, "'=' behind the name", whole)) return NULL;
     if (!expect(parser, TOKEN_ASSIGN, "behind the name") && starts_value(parser)) parser->panic = false;
-    stmt->as.bind.value = parse_whole_value(parser); /* poison after a mistake: the name is declared all the same */
+    Expr *arrow = parse_arrow_function(parser, stmt->as.bind.name->text, true);
+    stmt->as.bind.value = arrow ? arrow : parse_whole_value(parser); /* poison after a mistake: it is declared all the same */
     SymbolUse use = use_of_value(stmt->as.bind.value);
     if (use != SYMBOL_FREE) stmt->as.bind.name->declared = use;
     return stmt;
@@ -534,7 +535,8 @@ static Stmt *parse_named(Parser *parser)
     bool assign = parser->token.kind == TOKEN_CHANGE;
     Stmt *stmt = stmt_new(parser, assign ? STMT_ASSIGN : STMT_PROP, path.span);
     consume(parser);
-    Expr *value = parse_whole_value(parser);
+    Expr *arrow = parse_arrow_function(parser, path.names[0]->text, false);
+    Expr *value = arrow ? arrow : parse_whole_value(parser);
     if (assign) {
         stmt->as.bind.name = path.names[0];
         stmt->as.bind.name_span = path.span;
@@ -628,11 +630,16 @@ static void report_header_unit(Parser *parser, Span span, const char *what, cons
 static void parse_header_unit(Parser *parser)
 {
     bool is_word = token_is_word(&parser->token, "unit"), is_plural = token_is_word(&parser->token, "units");
-    if (begins_statement(parser) || (first_on_line(parser) && !is_word)) return;
+    bool same_line = !first_on_line(parser);
+    if ((begins_statement(parser) && !(is_word && same_line)) || (!same_line && !is_word)) return;
     Span span = token_span(parser);
     if (is_word || is_plural) consume(parser);
+    bool assigned = (is_word || is_plural) && (parser->token.kind == TOKEN_ASSIGN || parser->token.kind == TOKEN_COLON);
+    if (assigned) consume(parser);
     const UnitType *unit = header_unit(parser);
-    if (is_plural) {
+    if (assigned && unit) {
+        report_header_unit(parser, span, "the unit stands directly behind the word 'unit'", unit);
+    } else if (is_plural) {
         report_header_unit(parser, span, "the word is 'unit'", unit);
     } else if (is_word && unit) {
         set_unit(parser->file, token_span(parser), unit);

@@ -586,9 +586,30 @@ bool parse_lone_word(Parser *parser, Path path)
 
 /* ---- a name, and what cannot follow it ---- */
 
+/* "a - b" of solids, behind the first name */
+static bool parse_solids(Parser *parser, Path path)
+{
+    TokenKind kind = parser->token.kind;
+    bool operates = kind == TOKEN_PLUS || kind == TOKEN_MINUS || kind == TOKEN_STAR;
+    if (!operates || first_on_line(parser) || path.n != 1 || path.names[0]->declared != SYMBOL_NODE) return false;
+    Token other = peek(parser);
+    if (other.kind != TOKEN_NAME || other.as.symbol->declared != SYMBOL_NODE) return false;
+    Diagnostic *report = report_at(parser, token_span(parser), "'%s' does not work between nodes",
+                                   quote(parser, parser->token.begin, parser->token.end));
+    diag_hint(parser->diag, report, "write: %s { %s { }  %s { } }",
+              kind == TOKEN_MINUS  ? "difference"
+              : kind == TOKEN_STAR ? "intersection"
+                                   : "union",
+              path.names[0]->text, other.as.symbol->text);
+    consume(parser);
+    parse_expr(parser);
+    return true;
+}
+
 bool parse_name_habit(Parser *parser, Path path)
 {
     const char *word = path.names[path.n - 1]->text;
+    if (parse_solids(parser, path)) return true;
     if (parse_change(parser, path) || parse_foreign_import(parser, path) || parse_quoted_name(parser, path))
         return true;
     if (parser->token.kind == TOKEN_COLON) {

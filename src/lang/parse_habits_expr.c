@@ -327,6 +327,43 @@ Expr *parse_whole_value(Parser *parser)
     return value;
 }
 
+/* Where the '>' of an arrow ends that follows names, in parentheses or one alone; 0: it is none. */
+static uint32_t arrow_ahead(const Parser *parser, uint32_t *names_end)
+{
+    Look look;
+    look_from(parser, &look);
+    Token token = parser->token;
+    bool brackets = token.kind == TOKEN_PAREN_OPEN;
+    if (!brackets && token.kind != TOKEN_NAME) return 0;
+    while (brackets && token.kind != TOKEN_PAREN_CLOSE) {
+        token = lexer_next(&look.lexer);
+        if (token.kind != TOKEN_NAME && token.kind != TOKEN_COMMA && token.kind != TOKEN_PAREN_CLOSE) return 0;
+    }
+    *names_end = token.end;
+    Token minus = lexer_next(&look.lexer), greater = lexer_next(&look.lexer);
+    bool arrow = minus.kind == TOKEN_MINUS && greater.kind == TOKEN_GREATER && greater.begin == minus.end;
+    return arrow ? greater.end : 0;
+}
+
+Expr *parse_arrow_function(Parser *parser, const char *name, bool declared)
+{
+    uint32_t names_end, begin = parser->token.begin, end = arrow_ahead(parser, &names_end);
+    if (!end) return NULL;
+    const char *names = quote(parser, begin, names_end);
+    Diagnostic *report =
+        report_at(parser, (Span){parser->lexer.source, end - 2, end}, "'->' has no meaning here: a function is a def");
+    while (parser->token.begin < end) consume(parser);
+    begin = parser->token.begin;
+    Expr *value = parse_expr(parser);
+    const char *body = quote(parser, begin, consumed_end(parser)), *open = *names == '(' ? "" : "(",
+               *close = *open ? ")" : "";
+    if (!parser->panic)
+        diag_hint(parser->diag, report, "write: def %s%s%s%s = %s%s", declared ? name : "f", open, names, close, body,
+                  declared ? "" : arena_format(parser->arena, ", further up, and %s = f", name));
+    value->kind = EXPR_POISON;
+    return value;
+}
+
 void parse_if_value(Parser *parser)
 {
     Diagnostic *report = report_at(parser, token_span(parser), "'if' places nodes, a value is chosen by '?' and ':'");

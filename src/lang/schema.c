@@ -287,6 +287,24 @@ static void hint_numbers(const Check *check, const Value *value, Diagnostic *rep
     if (kind == PROP_VECTORS3 && n == 3) diag_hint(diag, report, "write: <%g, %g, %g>", v[0], v[1], v[2]);
 }
 
+/* A colour where a number says how bright something of another property's colour is. */
+static void hint_brightness(const Check *check, const Value *value, Diagnostic *report)
+{
+    enum { LONGEST = 40 };
+    static const char *const colors[] = {"color", "emission"};
+    const NodeType *owner = check->evaluator->target ? check->evaluator->target->type : NULL;
+    if (!owner || (value->kind != VALUE_COLOR && value->kind != VALUE_VECTOR3) ||
+        !habit_is_one_of("radiance intensity power strength", check->type->name))
+        return;
+    for (size_t i = 0; i < COUNT_OF(colors) && !report->hint; i++) {
+        const PropType *color = schema_prop(owner, colors[i]);
+        if (color && is_color_kind(color->kind))
+            diag_hint(check->evaluator->diag, report,
+                      "the colour is one property, and how bright it is another: %s = %s  %s = 1", color->name,
+                      eval_written(check->evaluator, check->expr->span, LONGEST, "\n", "..."), check->type->name);
+    }
+}
+
 /* A term's only number, most likely. */
 static void hint_term(const Check *check, double number, Diagnostic *report)
 {
@@ -310,6 +328,7 @@ static void hint_form(const Check *check, const Value *value, Diagnostic *report
     }
     if (kind == PROP_VECTOR3 && number && eval_hint_at_axis(check->evaluator, report, check->expr)) return;
     if (kind == PROP_VECTOR3 && number) hint_measure(check, UNIT_NONE, report);
+    if (kind == PROP_NUMBER) hint_brightness(check, value, report);
     if (kind == PROP_TERM && number) hint_term(check, value->as.number, report);
     if (report->hint) return;
     if ((kind == PROP_VECTOR3 || kind == PROP_VECTOR2) && number) {

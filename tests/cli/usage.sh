@@ -78,6 +78,9 @@ refuses "is named twice" render small.mns -o a.exr -o a.exr
 refuses "option '-o': the value is empty" render small.mns -o ''
 refuses "display 'nowhere'" render small.mns -o a.png --display nowhere
 refuses "there is no completion for 'tcsh'" completion tcsh
+run help hdri
+exits 0
+says out 'environment { image = "studio.exr" }'
 refuses "there is no help for 'opn-mesh'; did you mean 'open-mesh'?" help opn-mesh
 refuses "there is no help for 'roughnes'; did you mean 'roughness'?" help roughnes
 refuses "'light_source' is POV-Ray's, see meniscus-povray(7); write: light {" help light_source
