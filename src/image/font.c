@@ -6,7 +6,7 @@
 
 #include "base/utf8.h"
 
-enum { FIRST = ' ', LAST = '~', BITS_ACROSS = 5, BITS_DOWN = 7, DESCENT = 2 /* of g, p, q and y */ };
+enum { FIRST = ' ', LAST = '~', BITS_ACROSS = 5, BITS_DOWN = 7, DESCENT = 2 /* of g, p, q, y and the sign of micro */, MICRO = 0xb5 };
 
 /* The rows of each character from the top; the bit of 16 is on the left. */
 static const uint8_t glyphs[LAST - FIRST + 1][BITS_DOWN] = {
@@ -107,10 +107,12 @@ static const uint8_t glyphs[LAST - FIRST + 1][BITS_DOWN] = {
     {0, 0, 8, 21, 2, 0, 0},       /* ~ */
 };
 
+static const uint8_t micro[BITS_DOWN] = {17, 17, 17, 19, 29, 16, 16};
+
 static void draw_glyph(Image *image, uint32_t x, uint32_t y, unsigned scale, uint32_t code, const float rgb[3])
 {
-    uint32_t drop = code == 'g' || code == 'p' || code == 'q' || code == 'y' ? DESCENT * scale : 0;
-    const uint8_t *rows = glyphs[(code < FIRST || code > LAST ? '?' : code) - FIRST];
+    uint32_t drop = code == 'g' || code == 'p' || code == 'q' || code == 'y' || code == MICRO ? DESCENT * scale : 0;
+    const uint8_t *rows = code == MICRO ? micro : glyphs[(code < FIRST || code > LAST ? '?' : code) - FIRST];
     for (uint32_t v = 0; v < BITS_DOWN * scale; v++)
         for (uint32_t u = 0; u < BITS_ACROSS * scale; u++) {
             if (!(rows[v / scale] >> (BITS_ACROSS - 1 - u / scale) & 1)) continue;

@@ -1,5 +1,5 @@
-/* font.h - a small face of 5 by 7 pixels, with descenders of 2, for what is written into pictures. ASCII; everything
- * else is a question mark.
+/* font.h - a small face of 5 by 7 pixels, with descenders of 2, for what is written into pictures. ASCII and
+ * the sign of micro; everything else is a question mark.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_FONT_H
 #define MEN_FONT_H

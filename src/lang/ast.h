@@ -219,6 +219,7 @@ struct Stmt {
             Symbol *name, *type;
             Span name_span, type_span;
             bool variable; /* var */
+            bool at_top;   /* of a file, and so there once */
             Slot slot;
             Expr *value;
             Expr *range;     /* of a param */

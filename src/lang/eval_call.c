@@ -219,9 +219,24 @@ static void call_end(Evaluator *evaluator, const Frame *frame)
     evaluator->calls--;
 }
 
+void eval_name_result(Evaluator *evaluator, const Expr *expr, const char *name)
+{
+    if (expr->kind == EXPR_CALL_DEF) evaluator->call_name = name;
+}
+
+/* The body of a function that gives a medium and the like gets the name, or the function that it calls for it. */
+static void name_body(Evaluator *evaluator, const Expr *body, const char *name)
+{
+    const NodeType *type = body->kind == EXPR_NODE ? body->as.node->type : NULL;
+    if (type && type->flags & NODE_NAMED) evaluator->bind_name = name;
+    eval_name_result(evaluator, body, name);
+}
+
 void eval_call_def(Evaluator *evaluator, Expr *expr, Value *result)
 {
     const Def *def = expr->as.call.to.def;
+    const char *name = evaluator->call_name;
+    evaluator->call_name = NULL;
     result->kind = VALUE_POISON;
     if (!def->body) {
         Diagnostic *report = eval_error(evaluator, expr, D_NOT_A_MACRO,
@@ -234,7 +249,10 @@ void eval_call_def(Evaluator *evaluator, Expr *expr, Value *result)
     Frame frame = frame_of_call(evaluator, def, expr->as.call.hops, expr->span);
     if (bind_args(evaluator, expr, def, frame.slots)) {
         evaluator->frame = &frame;
-        if (bind_fallbacks(evaluator, def, expr->span, &expr->reported)) eval_value(evaluator, def->body, result);
+        if (bind_fallbacks(evaluator, def, expr->span, &expr->reported)) {
+            if (name) name_body(evaluator, def->body, name);
+            eval_value(evaluator, def->body, result);
+        }
         evaluator->frame = frame.caller;
     }
     call_end(evaluator, &frame);
@@ -363,6 +381,7 @@ const EvalFunctionValue *eval_capture(Evaluator *evaluator, Expr *expr, bool on_
     own->rooms = NULL;
     own->calls = 0;
     own->bind_name = NULL;
+    own->call_name = NULL;
     own->printed = (Buf){0};
     EvalFunctionValue *function = ARENA_NEW(evaluator->arena, EvalFunctionValue);
     *function = (EvalFunctionValue){.evaluator = own, .def = def, .span = expr->span, .by_coordinates = by_coordinates};

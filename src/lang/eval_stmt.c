@@ -78,6 +78,8 @@ static void bind_stmt(Evaluator *evaluator, Stmt *stmt)
     Value value;
     Expr *expr = stmt->as.bind.value;
     if (expr->kind == EXPR_NODE) evaluator->bind_name = stmt->as.bind.name->text;
+    /* let red = dye(.5); what loops and macros make so again and again stays without a name, and one where it is the same */
+    if (stmt->as.bind.at_top) eval_name_result(evaluator, expr, stmt->as.bind.name->text);
     eval_value(evaluator, expr, &value);
     *eval_slot(evaluator, stmt->as.bind.slot) = value;
 }

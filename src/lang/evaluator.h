@@ -110,6 +110,7 @@ typedef struct Evaluator {
     size_t n_overrides;
     bool in_override;
     const char *bind_name;      /* of the let or var whose value is about to be made; NULL */
+    const char *call_name;      /* the same, where a function that is about to be called makes it */
     Preset *presets;
     size_t n_presets, preset_capacity;
     EvalParam *params;
@@ -199,6 +200,8 @@ bool eval_sequence(Evaluator *evaluator, Expr *expr, Value *value);
 /* ---- calls (eval_call.c) ---- */
 
 EvalFunction eval_call_def, eval_call_builtin, eval_call_term;
+/* The medium or the like that a function makes is named so, if the expression, which is evaluated next, is a call of one. */
+void eval_name_result(Evaluator *evaluator, const Expr *expr, const char *name);
 /* That a def has no parameter of that name. */
 void eval_report_formal(Evaluator *evaluator, const Def *def, const char *wrong, Span span);
 /* The function that an EXPR_FUNCTION names, with all that is visible in it as it is now; NULL after a report.

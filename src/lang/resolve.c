@@ -188,10 +188,16 @@ void suggest_later(Resolver *resolver, Diagnostic *report, const Symbol *wrong)
 
 static void resolve_stmts(Resolver *resolver, Stmt *first);
 
+/* Is this in a block, and not at the top of a file? */
+static bool is_within(const Resolver *resolver)
+{
+    return resolver->scope->outer && resolver->scope->outer->outer;
+}
+
 /* Whether what is declared here and not used is reported. What stands at the top of a file may be meant for others. */
 static bool warns_here(const Resolver *resolver, bool of_library)
 {
-    if (resolver->scope->outer && resolver->scope->outer->outer) return true;
+    if (is_within(resolver)) return true;
     return resolver->warns_unused && !(of_library && resolver->library_itself);
 }
 
@@ -224,6 +230,7 @@ static void resolve_bind(Resolver *resolver, Stmt *stmt)
     binding->constant = stmt->kind == STMT_BIND && !stmt->as.bind.variable;
     binding->param = stmt->kind == STMT_PARAM;
     binding->warns = warns_here(resolver, binding->param);
+    stmt->as.bind.at_top = !is_within(resolver);
 }
 
 static void resolve_assign(Resolver *resolver, Stmt *stmt)

@@ -216,10 +216,12 @@ static uint32_t lathe_shape(Builder *b, const LatheParts *parts, bool *found)
 
 /* The outside of a vessel alone, as other programs take it: the edge that closes the profile, from the last point to the
  * first, is slanted, and either it ends on the axis at one end only, or it is longer than all others by far. */
-static void remark_open_profile(Builder *b, const EvalProp *profile)
+static void remark_open_profile(Builder *b, const LatheParts *parts)
 {
+    const EvalProp *profile = parts->profile;
     const double *p = profile->as.list.numbers;
     size_t n = profile->as.list.n, last = 2 * (n - 1);
+    if (parts->curve == 1 + LATHE_BEZIER && n % 3 == 0) return; /* its last piece leads back */
     double across = fabs(p[last] - p[0]), up = fabs(p[last + 1] - p[1]), closing = hypot(across, up), longest = 0;
     for (size_t i = 0; i + 1 < n; i++)
         longest = fmax(longest, hypot(p[2 * i + 2] - p[2 * i], p[2 * i + 3] - p[2 * i + 1]));
@@ -227,8 +229,8 @@ static void remark_open_profile(Builder *b, const EvalProp *profile)
     bool on_axis = p[0] <= 0 || p[last] <= 0;
     if (!slanted || (!on_axis && closing < 1.5 * longest)) return;
     Diagnostic *report = diag_report(b->diag, D_OPEN_PROFILE, profile->span,
-                                     "the profile ends at <%g, %g> and is closed by a straight edge from there to <%g, %g>",
-                                     p[last], p[last + 1], p[0], p[1]);
+                                     "the profile ends at <%g, %g> and is closed by a %s from there to <%g, %g>", p[last],
+                                     p[last + 1], parts->curve == 1 + LATHE_CUBIC ? "curve" : "straight edge", p[0], p[1]);
     diag_hint(b->diag, report, "lead it back along the inside, for a wall; or to the axis, for what is full");
 }
 
@@ -253,7 +255,7 @@ void build_lathe(Builder *b, const EvalNode *node, const Affine *to_world)
             status = solid_make_lathe((const double(*)[2])points, (uint32_t)n, parts.round, parts.smooth != 0, solid,
                                       &error);
         if (!build_keep_solid(b, shape, status, &error, parts.profile->span)) return;
-        if (*solid) remark_open_profile(b, parts.profile);
+        if (*solid) remark_open_profile(b, &parts);
     }
     if (*solid) build_object(b, node, shape, to_world);
 }

@@ -70,11 +70,12 @@ static void what_mixes_stands_below(void **state)
     free(text);
 }
 
-/* A medium without a name is called after what it fills first; a let names it, too. */
+/* A medium without a name is called after what it fills first; a let names it, too, also where a function makes it. */
 static void nameless_media_are_told_apart(void **state)
 {
     (void)state;
-    char *text = report_of("meniscus 1.0 unit mm let oil = medium { ior = 1.45 } let bead = sphere { interior = medium "
+    char *text = report_of("meniscus 1.0 unit mm def dye(n) = medium { ior = n } def double(n) = dye(2 * n) let ink = double(.65)\n"
+                           "let oil = medium { ior = 1.45 } sphere { interior = ink  center = <0, -5, 0> } let bead = sphere { interior = medium "
                            "{ ior = 1.6 } } bead { } "
                            "bead { translate(9 * x) } sphere ball { interior = oil center = <0, 5, 0> } world { medium "
                            "= medium { ior = 1.1 } } "
@@ -82,9 +83,10 @@ static void nameless_media_are_told_apart(void **state)
                            false);
     assert_has(text, "  medium of the world  index 1.1");
     assert_has(text, "  oil                  index 1.45\n");
+    assert_has(text, "  ink                  index 1.3\n");
     assert_has(text, "  medium of bead 1     index 1.6\n");
     assert_has(text, "  medium of pair       index 1.7\n");
-    assert_has(text, "bead 2  medium of bead 1 ");
+    assert_has(text, "bead 2    medium of bead 1 ");
     free(text);
 }
 

@@ -6,6 +6,7 @@
 
 #include "near.h"
 #include "check/slice.h"
+#include "image/font.h"
 #include "scene_fixture.h"
 
 enum { WIDTH = 96, HEIGHT = 64 };
@@ -217,12 +218,34 @@ static void planes_hold_what_they_cut(void **state)
     fixture_clear(&f);
 }
 
+/* Of the legend: lengths of a gap are often so short. */
+static void the_sign_of_micro_is_drawn(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"R", "G", "B"};
+    const float white[3] = {1, 1, 1};
+    const char *const texts[] = {"\xc2\xb5", "?", "u"};
+    Image pictures[COUNT_OF(texts)];
+    Error error;
+    size_t size = 0;
+    for (size_t i = 0; i < COUNT_OF(texts); i++) {
+        assert_int_equal(image_new(FONT_ADVANCE, FONT_HEIGHT, names, 3, &pictures[i], &error), STATUS_OK);
+        font_draw(&pictures[i], 0, 0, 1, texts[i], white);
+        size = FONT_ADVANCE * FONT_HEIGHT * pictures[i].n_channels * sizeof *pictures[i].pixels;
+    }
+    assert_int_equal(font_width(texts[0], 1), FONT_ADVANCE);
+    assert_int_not_equal(memcmp(pictures[0].pixels, pictures[1].pixels, size), 0);
+    assert_int_not_equal(memcmp(pictures[0].pixels, pictures[2].pixels, size), 0);
+    for (size_t i = 0; i < COUNT_OF(texts); i++) image_clear(&pictures[i]);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_place_has_its_owner), cmocka_unit_test(thin_gaps_are_marked),
         cmocka_unit_test(opaque_things_are_dark),    cmocka_unit_test(overlaps_are_hatched),
         cmocka_unit_test(threads_do_not_matter),     cmocka_unit_test(planes_hold_what_they_cut),
+        cmocka_unit_test(the_sign_of_micro_is_drawn),
     };
     return cmocka_run_group_tests_name("slice", tests, NULL, NULL);
 }
