@@ -3,7 +3,6 @@
 #include <math.h>
 
 #include "cli/commands.h"
-#include "cli/scene_input.h"
 #include "image/compare.h"
 
 static void print_text(const Comparison *c, bool flip, Buf *out)
@@ -54,14 +53,31 @@ static Status judge(const Options *options, const Comparison *comparison, Error 
     return fail(error, STATUS_RENDER, "the root mean square error %.6g is above %.6g", comparison->rmse, limit);
 }
 
+/* What a view makes of light, decoding sRGB does not undo. */
+static Status read_both(const Options *options, const Talk *talk, Image *a, Image *b, Error *error)
+{
+    Image *const images[2] = {a, b};
+    bool encoded[2];
+    for (int i = 0; i < 2; i++) {
+        TRY(image_read_as(options->operands[i], images[i], &encoded[i], error));
+        if (encoded[i]) image_decode_srgb(images[i]);
+    }
+    if (encoded[0] == encoded[1]) return STATUS_OK;
+    const char *shown = options->operands[encoded[0] ? 0 : 1], *linear = options->operands[encoded[0] ? 1 : 0];
+    talk_remark(talk,
+                "%s is made for a display, and %s has light as it is: where a view lies between, that differs by itself; "
+                "to compare what a display shows: meniscus view %s -o FILE.png",
+                shown, linear, linear);
+    return STATUS_OK;
+}
+
 Status cmd_compare(const Options *options, const Talk *talk, Error *error)
 {
     Image a = {0}, b = {0};
     Comparison comparison = {0};
     Buf out = {0};
     bool flip = option_given(options, OPTION_FLIP);
-    Status status = image_read_linear(options->operands[0], &a, error);
-    if (status == STATUS_OK) status = image_read_linear(options->operands[1], &b, error);
+    Status status = read_both(options, talk, &a, &b, error);
     if (status == STATUS_OK) status = image_compare(&a, &b, flip, &comparison, error);
     if (status == STATUS_OK) {
         if (option_given(options, OPTION_JSON))

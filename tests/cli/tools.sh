@@ -20,6 +20,13 @@ says out '"flip"'
 run render small.mns -o c.exr --size 8x8
 run compare a.exr c.exr
 exits 2
+run view a.exr -o a.png
+run compare a.png a.exr
+exits 0
+says err "a.png is made for a display, and a.exr has light as it is"
+says err "meniscus view a.exr -o FILE.png"
+run compare a.png a.png
+says_not err "display"
 run compare a.exr missing.exr
 exits 4
 end
