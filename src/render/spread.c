@@ -6,7 +6,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/array.h"
 #include "render/around.h"
@@ -21,6 +20,15 @@ enum { AROUND = 2, COLORS_AROUND = 8 };
 enum { HOLE_RANK = 3 };
 /* Rows that a thread gathers at a time. */
 enum { BAND = 16 };
+
+/* The pixel's samples of its seen-th thing that are as bright, as far as they are kept. */
+static uint32_t count_comparable(const BrightPixel *pixel, uint32_t seen, float least)
+{
+    uint32_t n = 0;
+    if (seen == BRIGHT_THINGS) return 0;
+    for (int i = 0; i < BRIGHT_KEPT && bright_light(pixel->rgb[i]) >= least; i++) n += bright_seen(pixel, i) == seen;
+    return n;
+}
 
 static bool has_few_alike(const BrightPixel *pixel, int i, uint32_t n_samples)
 {
@@ -250,19 +258,21 @@ static bool look(Maps *maps)
     Looks *looks = &maps->looks;
     uint32_t width = maps->width, height = maps->height;
     size_t n = (size_t)width * height;
-    float *scratch = calloc(n, sizeof *scratch), *mean = calloc(n, sizeof *mean);
-    bool ready = scratch && mean;
+    float *scratch = calloc(n, sizeof *scratch), *around = calloc(n, sizeof *around);
+    bool ready = scratch && around;
     if (ready) {
         pool_run(maps->pool, height, look_at_row, maps);
         mean_around(looks->plain, width, height, AROUND, scratch, looks->around, maps->pool);
         mean_around(looks->lit, width, height, AROUND, scratch, looks->lit_around, maps->pool);
     }
     for (int c = 0; ready && c < 3; c++) {
-        mean_around(looks->colors[c], width, height, COLORS_AROUND, scratch, mean, maps->pool);
-        memcpy(looks->colors[c], mean, n * sizeof *mean);
+        float *own = looks->colors[c];
+        mean_around(own, width, height, COLORS_AROUND, scratch, around, maps->pool);
+        looks->colors[c] = around;
+        around = own;
     }
     free(scratch);
-    free(mean);
+    free(around);
     return ready && find_boxes(maps);
 }
 

@@ -79,10 +79,9 @@ static uint32_t count_alike(const Maps *maps, const Lone *lone, size_t pixel)
 {
     const Looks *looks = &maps->looks;
     const float *lights = looks->lights[pixel];
-    uint32_t seen = looks->seen[pixel], thing = 0, alike = 0;
+    uint32_t seen = looks->seen[pixel], alike = 0;
     if (looks->brightest[pixel] < lone->least) return 0;
-    while (thing < BRIGHT_THINGS && !(looks->things[thing][pixel] == lone->thing && looks->shares[thing][pixel] > 0))
-        thing++;
+    uint32_t thing = find_thing(looks, pixel, lone->thing);
     if (thing == BRIGHT_THINGS) return 0;
     for (int i = 0; i < BRIGHT_KEPT && lights[i] >= lone->least; i++, seen >>= 2) alike += (seen & 3) == thing;
     return alike;

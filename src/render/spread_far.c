@@ -56,10 +56,8 @@ static double usual(const Cells *cells, double lit)
 static double share_of(const Cells *cells, size_t pixel)
 {
     const Looks *looks = &cells->maps->looks;
-    for (int k = 0; k < BRIGHT_THINGS; k++)
-        if (looks->things[k][pixel] == cells->thing && looks->shares[k][pixel] > 0)
-            return (double)looks->shares[k][pixel];
-    return 0;
+    uint32_t which = find_thing(looks, pixel, cells->thing);
+    return which < BRIGHT_THINGS ? (double)looks->shares[which][pixel] : 0;
 }
 
 /* ---- what cells have ---- */
@@ -102,12 +100,12 @@ static void add_up_row(void *context, uint32_t row, unsigned worker)
 /* The lights of a pixel's samples of the thing; how many. lights: NULL, or room for them. */
 static uint32_t lights_of_pixel(const Cells *cells, uint32_t x, uint32_t y, float *lights)
 {
-    const BrightPixel *pixel = bright_at(cells->maps, x, y);
-    uint32_t seen = find_thing(pixel, cells->thing), n = 0;
-    for (int i = 0; seen < BRIGHT_THINGS && i < BRIGHT_KEPT; i++) {
-        float light = bright_light(pixel->rgb[i]);
-        if (bright_seen(pixel, i) != seen || !(light > 0)) continue;
-        if (lights) lights[n] = light;
+    const Looks *looks = &cells->maps->looks;
+    size_t pixel = place_in(cells->maps->area, x, y);
+    uint32_t thing = find_thing(looks, pixel, cells->thing), seen = looks->seen[pixel], n = 0;
+    for (int i = 0; thing < BRIGHT_THINGS && i < BRIGHT_KEPT && looks->lights[pixel][i] > 0; i++, seen >>= 2) {
+        if ((seen & 3) != thing) continue;
+        if (lights) lights[n] = looks->lights[pixel][i];
         n++;
     }
     return n;
@@ -276,23 +274,25 @@ static Way *way_of(const Maps *maps, const FarSample *sample)
     return &maps->rows[sample->row].ways[sample->way];
 }
 
+static int find_radius(const Cells *cells, const Lone *lone, Way *way)
+{
+    Around sums = {0};
+    double alone = 0, inner = -1, own = spread_own_weight(cells->maps, lone);
+    int radius = SPREAD_NEAR;
+    for (int next = spread_next_radius(radius); next <= SPREAD_FARTHEST; next = spread_next_radius(next)) {
+        look_farther(cells, lone, inner, next + 0.5, spread_enough(lone, next), &sums);
+        radius = next;
+        inner = next + 0.5;
+        if (spread_ends(lone, &sums, radius, own, way, &alone)) return radius;
+    }
+    return spread_farthest(&sums, radius, alone, way);
+}
+
 static void find_way(const Cells *cells, const FarSample *sample)
 {
-    const Maps *maps = cells->maps;
-    Way *way = way_of(maps, sample);
-    Lone lone = spread_lone(maps, way->x, maps->area[1] + sample->row, way->kept);
-    lone.black = way->black;
-    lone.slope = way->slope;
-    Around sums = {0};
-    double alone = 0, own = spread_own_weight(maps, &lone);
-    int radius = -1, ends = 0;
-    for (int next = spread_next_radius(SPREAD_NEAR); next <= SPREAD_FARTHEST && !ends;
-         next = spread_next_radius(next)) {
-        look_farther(cells, &lone, radius < 0 ? -1 : radius + 0.5, next + 0.5, spread_enough(&lone, next), &sums);
-        radius = next;
-        if (spread_ends(&lone, &sums, radius, own, way, &alone)) ends = radius;
-    }
-    way->radius = (uint16_t)(ends ? ends : spread_farthest(&sums, radius, alone, way));
+    Way *way = way_of(cells->maps, sample);
+    Lone lone = spread_lone_on_way(cells->maps, cells->maps->area[1] + sample->row, way);
+    way->radius = (uint16_t)find_radius(cells, &lone, way);
     if (way->radius > 0 && way->mirrored) way->weights = weights_of_disc(cells, &lone, way);
 }
 

@@ -129,20 +129,11 @@ typedef struct Around {
 } Around;
 
 /* Which of a pixel's things one is; BRIGHT_THINGS: none. */
-static inline uint32_t find_thing(const BrightPixel *pixel, uint32_t thing)
+static inline uint32_t find_thing(const Looks *looks, size_t pixel, uint32_t thing)
 {
     uint32_t i = 0;
-    while (i < BRIGHT_THINGS && !(pixel->counts[i] && pixel->things[i] == thing)) i++;
+    while (i < BRIGHT_THINGS && !(looks->things[i][pixel] == thing && looks->shares[i][pixel] > 0)) i++;
     return i;
-}
-
-/* The pixel's samples of its seen-th thing that are as bright, as far as they are kept. */
-static inline uint32_t count_comparable(const BrightPixel *pixel, uint32_t seen, float least)
-{
-    uint32_t n = 0;
-    if (seen == BRIGHT_THINGS) return 0;
-    for (int i = 0; i < BRIGHT_KEPT && bright_light(pixel->rgb[i]) >= least; i++) n += bright_seen(pixel, i) == seen;
-    return n;
 }
 
 static inline uint32_t few_of(uint32_t n_samples)
