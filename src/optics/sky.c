@@ -19,12 +19,6 @@ typedef struct Sky {
     float *values; /* the picture */
 } Sky;
 
-static Vec3 texel_direction(double polar, int column)
-{
-    double turn = 2 * pi * ((column + 0.5) / WIDTH - 0.5);
-    return vec3(sin(polar) * sin(turn), cos(polar), -sin(polar) * cos(turn));
-}
-
 /* The sky above, whose halves mirror each other. */
 static void fill_row(void *context, uint32_t row, unsigned worker)
 {
@@ -33,7 +27,8 @@ static void fill_row(void *context, uint32_t row, unsigned worker)
     float *values = sky->values + (size_t)row * WIDTH * BANDS;
     double polar = pi * (row + 0.5) / HEIGHT;
     Vec3 directions[WIDTH / 2];
-    for (int column = 0; column < WIDTH / 2; column++) directions[column] = texel_direction(polar, column);
+    for (unsigned column = 0; column < WIDTH / 2; column++)
+        directions[column] = environment_pixel_direction(WIDTH, HEIGHT, column, row);
     sky_field_radiance(sky->field, eye_height, cos(polar), sky->sun, directions, WIDTH / 2, values);
     for (int column = 0; column < WIDTH / 2; column++)
         memcpy(values + (WIDTH - 1 - column) * BANDS, values + column * BANDS, BANDS * sizeof *values);

@@ -94,6 +94,12 @@ static inline void fetch_corners(const Environment *environment, const Corners *
                                         : (const void *)(environment->texels + corners->at[i]));
 }
 
+Vec3 environment_pixel_direction(unsigned width, unsigned height, unsigned column, unsigned row)
+{
+    double turn = 2 * pi * ((column + 0.5) / width - 0.5), polar = pi * (row + 0.5) / height;
+    return vec3(sin(polar) * sin(turn), cos(polar), -sin(polar) * cos(turn));
+}
+
 static EnvironmentPlace place_of(const Environment *environment, Vec3f direction)
 {
     float width = (float)environment->width, height = (float)environment->height;

@@ -15,6 +15,8 @@ typedef struct Environment Environment;
  * a side is 0 or above 131072, or when a pixel times scale is 1e30 or more; STATUS_NOMEM. */
 ATTR_NODISCARD Status environment_new_image(const float *rgb, unsigned width, unsigned height, double scale,
                                             Environment **environment, Error *error);
+/* From the scene towards the middle of a pixel of such an image; of length 1. */
+Vec3 environment_pixel_direction(unsigned width, unsigned height, unsigned column, unsigned row);
 /* By wavelengths: width * height * ENVIRONMENT_BANDS values at evenly spread wavelengths, from SPECTRUM_MIN_NM to
  * SPECTRUM_MAX_NM, linear in between; light: SPECTRUM_SAMPLES values that all of them are multiplied with. Copied. */
 enum { ENVIRONMENT_BANDS = 16 };

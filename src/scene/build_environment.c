@@ -30,6 +30,16 @@ static bool check_pixels(Builder *b, Span span, const char *name, const float *r
     return true;
 }
 
+static Status environment_from_pixels(Builder *b, const float *rgb, uint32_t width, uint32_t height, double strength,
+                                      Error *error)
+{
+    const uint32_t size[2] = {width, height};
+    b->environment_hash = hash_bytes(size, sizeof size, b->environment_hash);
+    b->environment_hash = hash_bulk(rgb, (size_t)width * height * 3 * sizeof *rgb, b->environment_hash);
+    b->environment_hash = hash_bytes(&strength, sizeof strength, b->environment_hash);
+    return environment_new_image(rgb, width, height, strength, &b->scene->environment, error);
+}
+
 static void environment_from_image(Builder *b, const EvalNode *node, const EvalProp *image)
 {
     const char *path = eval_find_file(&b->eval_options, b->diag, image->span, image->as.text);
@@ -47,11 +57,7 @@ static void environment_from_image(Builder *b, const EvalNode *node, const EvalP
     } else if (status == STATUS_OK && (width == 0 || height == 0)) {
         diag_report(b->diag, D_IMAGE_INVALID, image->span, "'%s' has no pixels", path);
     } else if (status == STATUS_OK && check_pixels(b, image->span, path, rgb, width, height)) {
-        status = environment_new_image(rgb, width, height, strength, &b->scene->environment, &error);
-        uint32_t size[2] = {width, height};
-        b->environment_hash = hash_bytes(size, sizeof size, b->environment_hash);
-        b->environment_hash = hash_bulk(rgb, (size_t)width * height * 3 * sizeof *rgb, b->environment_hash);
-        b->environment_hash = hash_bytes(&strength, sizeof strength, b->environment_hash);
+        status = environment_from_pixels(b, rgb, width, height, strength, &error);
     }
     free(rgb);
     if (status == STATUS_NOMEM) build_succeeded(b, status, &error, image->span);
@@ -78,16 +84,9 @@ typedef struct Panorama {
     float *rgb;
 } Panorama;
 
-/* From the scene towards a pixel of an image, as environment_new_image has it. */
-static Vec3 pixel_direction(const Panorama *panorama, uint32_t x, uint32_t y)
-{
-    double turn = 2 * pi * ((x + 0.5) / panorama->width - 0.5), polar = pi * (y + 0.5) / panorama->height;
-    return vec3(sin(polar) * sin(turn), cos(polar), -sin(polar) * cos(turn));
-}
-
 static void pixel_inputs(const Panorama *panorama, uint32_t x, uint32_t y, double inputs[PROGRAM_INPUTS])
 {
-    Vec3 d = pixel_direction(panorama, x, y);
+    Vec3 d = environment_pixel_direction(panorama->width, panorama->height, x, y);
     const double values[PROGRAM_INPUTS] = {d.x, d.y, d.z, -d.x, -d.y, -d.z, 0, 0, pi / panorama->height};
     memcpy(inputs, values, sizeof values);
 }
@@ -143,10 +142,7 @@ static void environment_from_function(Builder *b, const EvalNode *node, const Ev
     if (!panorama.rgb) status = fail_memory(&error, n * sizeof *panorama.rgb, "an environment");
     if (status == STATUS_OK) pool_run(b->options->pool, panorama.height, task_of_row, &panorama);
     if (status == STATUS_OK && check_panorama(b, &panorama, function)) {
-        status = environment_new_image(panorama.rgb, panorama.width, panorama.height, strength, &b->scene->environment,
-                                       &error);
-        b->environment_hash = hash_bytes(&strength, sizeof strength, b->environment_hash);
-        b->environment_hash = hash_bulk(panorama.rgb, n * sizeof *panorama.rgb, b->environment_hash);
+        status = environment_from_pixels(b, panorama.rgb, panorama.width, panorama.height, strength, &error);
     }
     free(panorama.rgb);
     if (status != STATUS_OK) (void)build_succeeded(b, status, &error, function->span);
