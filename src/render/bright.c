@@ -72,19 +72,23 @@ static void insert(uint32_t *items, int at, uint32_t item)
     items[at] = item;
 }
 
-static void add_reflected(BrightPixel *pixel, float reflected)
+/* Alike for all channels, so that the colour stays. */
+static void add_reflected(BrightPixel *pixel, const Reflected *reflected)
 {
-    pixel->reflected += (uint32_t)lrintf(fminf(reflected, MOST_REFLECTED) * BRIGHT_REFLECTED);
+    float scale = BRIGHT_REFLECTED * fminf(1, MOST_REFLECTED / fmaxf(reflected->mean, MOST_REFLECTED));
+    pixel->reflected += (uint32_t)lrintf(reflected->mean * scale);
+    for (int c = 0; c < 3; c++) pixel->reflected_rgb[c] += (int32_t)lrintf(reflected->rgb[c] * scale);
     pixel->n_reflected++;
 }
 
-void bright_film_add(BrightFilm *film, uint32_t x, uint32_t y, const float rgb[3], uint32_t thing, float reflected)
+void bright_film_add(BrightFilm *film, uint32_t x, uint32_t y, const float rgb[3], uint32_t thing,
+                     const Reflected *reflected)
 {
     if (thing == BRIGHT_NOTHING) return;
     size_t i = (size_t)y * film->width + x;
     BrightPixel *pixel = &film->pixels[i];
     uint32_t seen = count_seen(pixel, thing, 1);
-    if (reflected >= 0) add_reflected(pixel, reflected);
+    if (reflected->mean >= 0) add_reflected(pixel, reflected);
     if (UNLIKELY(film->slices != NULL) && !tally_add(&film->slices[i].things, thing, 1)) film->out_of_memory = true;
     if (LIKELY(!(bright_light(rgb) > pixel->least))) return;
     int at = keep(pixel, rgb, seen);
@@ -159,6 +163,7 @@ bool bright_film_join_row(BrightFilm *film, uint32_t x0, uint32_t x1, uint32_t y
             (void)count_seen(&film->pixels[i], slice->things.items[k].id, slice->things.items[k].n);
         film->pixels[i].reflected += next->pixels[from].reflected;
         film->pixels[i].n_reflected += next->pixels[from].n_reflected;
+        for (int c = 0; c < 3; c++) film->pixels[i].reflected_rgb[c] += next->pixels[from].reflected_rgb[c];
         join_kept(&film->pixels[i], own ? own->kept : NULL, &next->pixels[from], slice->kept);
         if (own && !tally_join(&own->things, &slice->things)) return false;
     }

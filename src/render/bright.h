@@ -7,6 +7,7 @@
 
 #include <math.h>
 
+#include "optics/color.h"
 #include "render/film.h"
 #include "render/tally.h"
 
@@ -20,7 +21,9 @@ typedef struct BrightPixel {
     uint32_t things[BRIGHT_THINGS], counts[BRIGHT_THINGS]; /* the first things that any sample saw, and how many did */
     float least;                                           /* light of the last one of those */
     uint32_t seen; /* two bits for each of the samples, from the lowest: which thing it saw; BRIGHT_THINGS: another */
-    uint32_t reflected, n_reflected; /* what samples say of the reflectance, in sum, by BRIGHT_REFLECTED; how many do */
+    /* What samples say of the reflectance, in sum, by BRIGHT_REFLECTED: of its mean, and of its colour; and how many do. */
+    uint32_t reflected, n_reflected;
+    int32_t reflected_rgb[3];
 } BrightPixel;
 
 /* How bright a sample is taken to be: as dots of all colours are seen. Samples of few wavelengths have negative parts. */
@@ -51,12 +54,20 @@ ATTR_NODISCARD Status bright_film_init(BrightFilm *film, bool slice, uint32_t wi
 void bright_film_clear(BrightFilm *film);
 void bright_film_forget_row(BrightFilm *film, uint32_t x0, uint32_t x1, uint32_t y); /* as film_forget_row */
 /* One sample. thing: any number of what it saw first, or BRIGHT_NOTHING. reflected: the part of the light that it says is reflected
- * there, in the mean of a pixel's samples; < 0: it says nothing. A pixel belongs to one thread at a time. */
-void bright_film_add(BrightFilm *film, uint32_t x, uint32_t y, const float rgb[3], uint32_t thing, float reflected);
+ * there, in the mean of a pixel's samples; its mean < 0: it says nothing. A pixel belongs to one thread at a time. */
+void bright_film_add(BrightFilm *film, uint32_t x, uint32_t y, const float rgb[3], uint32_t thing,
+                     const Reflected *reflected);
 /* What is reflected in a pixel, in the mean; 1 where nothing is known. */
 static inline float bright_reflectance(const BrightPixel *pixel)
 {
     return pixel->n_reflected ? (float)pixel->reflected / (BRIGHT_REFLECTED * (float)pixel->n_reflected) : 1;
+}
+/* Its colour: in each channel over the mean, with a quarter of a sample that says grey, as few may have seen few wavelengths. */
+static inline void bright_tint(const BrightPixel *pixel, float tint[3])
+{
+    double grey = pixel->n_reflected ? 0.25 * pixel->reflected / pixel->n_reflected : 0;
+    for (int c = 0; c < 3; c++)
+        tint[c] = grey > 0 ? (float)((pixel->reflected_rgb[c] + grey) / (pixel->reflected + grey)) : 1;
 }
 
 /* Rows as bytes, and joining two, as film_save_row and its like have it; also of films without pixels. next: of a film that

@@ -218,7 +218,7 @@ static bool render_sample(Job *job, unsigned worker, uint32_t x, uint32_t y, uin
     if (tracer->notes_sight) aov_film_add(&job->state->aovs, x, y, &tracer->first_sight, &before, &tracer->counters);
     bool saturated = film_add(&job->state->film, x, y, rgb, alpha);
     film_add_rays(&job->state->film, x, y, tracer->counters.rays - rays);
-    if (job->state->bright.pixels) bright_film_add(&job->state->bright, x, y, rgb, tracer->seen, tracer->reflected);
+    if (job->state->bright.pixels) bright_film_add(&job->state->bright, x, y, rgb, tracer->seen, &tracer->reflected);
     return saturated;
 }
 

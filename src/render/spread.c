@@ -21,6 +21,12 @@ enum { HOLE_RANK = 3 };
 /* Rows that a thread gathers at a time. */
 enum { BAND = 16 };
 
+/* Of what comes to pixels in each channel, the part that is to be added so that as much comes as goes. */
+typedef struct Balance {
+    const Maps *maps;
+    double missing[3];
+} Balance;
+
 /* The pixel's samples of its seen-th thing that are as bright, as far as they are kept. */
 static uint32_t count_comparable(const BrightPixel *pixel, uint32_t seen, float least)
 {
@@ -141,6 +147,14 @@ static void find_ways_of_row(void *context, uint32_t index, unsigned worker)
         find_ways_of_pixel(maps, x, maps->area[1] + index, &maps->rows[index]);
 }
 
+/* Of a sample, what goes: as part of its pixel's mean. */
+static void find_taken(const Maps *maps, uint32_t y, const Way *way, double rgb[3])
+{
+    const BrightPixel *pixel = bright_at(maps, way->x, y);
+    double part = way->part / film_pixel(maps->film, way->x, y)->n;
+    for (int c = 0; c < 3; c++) rgb[c] = part * (double)pixel->rgb[way->kept][c];
+}
+
 /* What of each sample goes, as what fills a hole stays; and which do not go at all. */
 static void settle_row(void *context, uint32_t index, unsigned worker)
 {
@@ -157,38 +171,31 @@ static void settle_row(void *context, uint32_t index, unsigned worker)
         row->ways[i].part = way.part;
         if (way.part == 0) continue;
         n++;
+        double taken[3];
+        find_taken(maps, maps->area[1] + index, &way, taken);
+        for (int c = 0; c < 3; c++) row->taken[c] += taken[c];
         row->moved += way.part * way.light;
         if (!way.far && way.radius > row->farthest) row->farthest = way.radius;
     }
     row->n_going = n;
 }
 
-static void take_from(const Maps *maps, const Lone *lone, double squared)
-{
-    SpreadPixel *from = &maps->pixels[place_in(maps->area, lone->x, lone->y)];
-    for (int c = 0; c < 3; c++) from->rgb[c] -= lone->rgb[c];
-    double mean, standard_error;
-    film_luminance(film_pixel(maps->film, lone->x, lone->y), &mean, &standard_error);
-    if (standard_error > 0) from->taken += squared / (standard_error * standard_error);
-}
-
-/* What a sample that is taken from row y brings to rows from y0 up to but without y1; if it goes far, only what it takes. */
+/* What a sample that is taken from row y brings to rows from y0 up to but without y1. */
 static void go_way(const Maps *maps, uint32_t y, const Way *way, uint32_t y0, uint32_t y1)
 {
     Lone lone = spread_lone_on_way(maps, y, way);
-    double squared = spread_squared_luminance(lone.rgb);
+    double squared = spread_squared_luminance(lone.untinted);
     Square square = square_around(&lone, way->radius);
-    for (uint32_t v = square.y0 > y0 ? square.y0 : y0; !way->far && v < square.y1 && v < y1; v++) {
+    for (uint32_t v = square.y0 > y0 ? square.y0 : y0; v < square.y1 && v < y1; v++) {
         double weights[2 * SPREAD_FARTHEST + 1];
         Span span = spread_weights_of_row(maps, &lone, way, v, weights);
         SpreadPixel *to = &maps->pixels[place_in(maps->area, span.x0, v)];
         for (uint32_t i = 0; i < span.x1 - span.x0; i++, to++) {
             double part = weights[i] / way->weights;
-            for (int c = 0; c < 3; c++) to->rgb[c] += part * lone.rgb[c];
+            for (int c = 0; c < 3; c++) to->rgb[c] += part * lone.untinted[c];
             to->given += part * part * squared;
         }
     }
-    if (y >= y0 && y < y1) take_from(maps, &lone, squared);
 }
 
 /* Some rows of what samples bring, from all rows around. */
@@ -203,8 +210,69 @@ static void gather_band(void *context, uint32_t index, unsigned worker)
         uint32_t farthest = (uint32_t)row->farthest, top = maps->area[1];
         if (y + farthest < y0 || y >= y1 + farthest) continue;
         for (size_t i = 0; i < row->n; i++)
-            if (row->ways[i].part > 0) go_way(maps, top + y, &row->ways[i], top + y0, top + y1);
+            if (row->ways[i].part > 0 && !row->ways[i].far) go_way(maps, top + y, &row->ways[i], top + y0, top + y1);
     }
+}
+
+/* What comes to a row gets the colour of what is reflected there. */
+static void tint_row(void *context, uint32_t index, unsigned worker)
+{
+    const Maps *maps = context;
+    uint32_t y = maps->area[1] + index;
+    Row *row = &maps->rows[index];
+    (void)worker;
+    for (uint32_t x = maps->area[0]; x < maps->area[2]; x++) {
+        SpreadPixel *pixel = &maps->pixels[place_in(maps->area, x, y)];
+        if (!(pixel->given > 0)) continue;
+        double untinted = spread_squared_luminance(pixel->rgb);
+        float tint[3];
+        tint_at(maps, x, y, tint);
+        for (int c = 0; c < 3; c++) {
+            pixel->rgb[c] *= (double)tint[c];
+            row->given[c] += pixel->rgb[c];
+            row->given_size[c] += fabs(pixel->rgb[c]);
+        }
+        if (untinted > 0) pixel->given *= spread_squared_luminance(pixel->rgb) / untinted;
+    }
+}
+
+static void take(const Maps *maps, uint32_t y, const Way *way)
+{
+    SpreadPixel *from = &maps->pixels[place_in(maps->area, way->x, y)];
+    double rgb[3], mean, standard_error;
+    find_taken(maps, y, way, rgb);
+    for (int c = 0; c < 3; c++) from->rgb[c] -= rgb[c];
+    film_luminance(film_pixel(maps->film, way->x, y), &mean, &standard_error);
+    if (standard_error > 0) from->taken += spread_squared_luminance(rgb) / (standard_error * standard_error);
+}
+
+/* What is found where red is reflected may go to where blue is, and the other way. Over both no channel is lost; what is, by chance,
+ * is made up for by all that comes. */
+static void balance_row(void *context, uint32_t index, unsigned worker)
+{
+    const Balance *balance = context;
+    const Maps *maps = balance->maps;
+    const Row *row = &maps->rows[index];
+    SpreadPixel *pixels = &maps->pixels[(size_t)index * maps->width];
+    (void)worker;
+    for (uint32_t x = 0; x < maps->width; x++)
+        for (int c = 0; c < 3; c++) pixels[x].rgb[c] += balance->missing[c] * fabs(pixels[x].rgb[c]);
+    for (size_t i = 0; i < row->n; i++)
+        if (row->ways[i].part > 0) take(maps, maps->area[1] + index, &row->ways[i]);
+}
+
+static void settle_colors(Maps *maps)
+{
+    Balance balance = {.maps = maps};
+    double size[3] = {0};
+    pool_run(maps->pool, maps->height, tint_row, maps);
+    for (uint32_t y = 0; y < maps->height; y++)
+        for (int c = 0; c < 3; c++) {
+            balance.missing[c] += maps->rows[y].taken[c] - maps->rows[y].given[c];
+            size[c] += maps->rows[y].given_size[c];
+        }
+    for (int c = 0; c < 3; c++) balance.missing[c] = size[c] > 0 ? balance.missing[c] / size[c] : 0;
+    pool_run(maps->pool, maps->height, balance_row, &balance);
 }
 
 static bool maps_init(Maps *maps)
@@ -298,7 +366,9 @@ static bool go(Maps *maps, const FarSamples *far, Spread *spread)
     spread->light = light > 0 ? moved / light : 0;
     if (!spread->samples) return true;
     pool_run(maps->pool, (maps->height + BAND - 1) / BAND, gather_band, maps);
-    return spread_far_give(maps, far);
+    if (!spread_far_give(maps, far)) return false;
+    settle_colors(maps);
+    return true;
 }
 
 Status spread_init(Spread *spread, const Film *film, const BrightFilm *bright, const uint32_t area[4], Pool *pool,

@@ -14,9 +14,9 @@
  *   stay as sharp as they were found.
  * - It goes to pixels that show the same thing first, by how much of them does; not over the thing's edge. A medium that
  *   scatters behind clear things is a thing of its own, and what such a sample shows that found its light on the way. Pixels get
- *   by what is reflected there, so that a texture stays whatever it is lit by; and those that have less light than their
- *   surroundings get less, so that shadows keep their contrast; where all have some of such samples, what they usually have counts,
- *   too. What an edge would cut off is folded at it, so that there is no dark frame along edges.
+ *   by what is reflected there, in each channel, so that a texture stays whatever it is lit by; and those that have less light
+ *   than their surroundings get less, so that shadows keep their contrast; where all have some of such samples, what they usually
+ *   have counts, too. What an edge would cut off is folded at it, so that there is no dark frame along edges.
  *
  * With more samples each adds less, and has more beside it, so that less is shared out, and in the end nothing: the picture
  * converges to what it would without. The neighbourhood is that of a nearest-neighbour density estimate [LQ65]. Energy is

@@ -137,7 +137,12 @@ Lone spread_lone(const Maps *maps, uint32_t x, uint32_t y, int kept)
                  .least = light * ALIKE};
     const ThingBox *box = thing_boxes_find(&maps->boxes, lone.thing);
     if (box) lone.box = *box;
-    for (int c = 0; c < 3; c++) lone.rgb[c] = (double)pixel->rgb[kept][c] / n;
+    float tint[3];
+    tint_at(maps, x, y, tint);
+    for (int c = 0; c < 3; c++) {
+        lone.rgb[c] = (double)pixel->rgb[kept][c] / n;
+        lone.untinted[c] = lone.rgb[c] / (double)tint[c];
+    }
     lone.seen = lone.light * (1 + TINTED * tint_of(maps, &lone));
     return lone;
 }
@@ -359,7 +364,7 @@ Lone spread_lone_on_way(const Maps *maps, uint32_t y, const Way *way)
     Lone lone = spread_lone(maps, way->x, y, way->kept);
     lone.black = way->black;
     lone.slope = way->slope;
-    for (int c = 0; c < 3; c++) lone.rgb[c] *= way->part;
+    for (int c = 0; c < 3; c++) lone.untinted[c] *= way->part;
     return lone;
 }
 

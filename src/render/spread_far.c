@@ -310,13 +310,13 @@ static void give_to_row(const Cells *cells, const Lone *lone, const Way *way, ui
 {
     Span columns = columns_of(cells, lone, way, row);
     double dy = point_y(cells, row) - lone->y, dx = point_x(cells, columns.x0) - lone->x;
-    double black = lone->black, rest = 1 - black, squared = spread_squared_luminance(lone->rgb);
+    double black = lone->black, rest = 1 - black, squared = spread_squared_luminance(lone->untinted);
     Gift *gift = &cells->gifts[(size_t)row * cells->width + columns.x0];
     for (uint32_t i = columns.x0; i < columns.x1; i++, gift++, dx += SIDE) {
         double part = nearness_of_point(way, dx, dy) / way->weights, square = part * part * squared;
         for (int c = 0; c < 3; c++) {
-            gift->even[c] += black * part * lone->rgb[c];
-            gift->usual[c] += rest * part * lone->rgb[c];
+            gift->even[c] += black * part * lone->untinted[c];
+            gift->usual[c] += rest * part * lone->untinted[c];
         }
         gift->squares[0] += black * black * square;
         gift->squares[1] += 2 * black * rest * square;

@@ -50,10 +50,12 @@ typedef struct Way {
 typedef struct Row {
     Way *ways;
     size_t n, capacity;
-    int farthest;   /* of the radii of those that do not go by cells */
-    double light;   /* of the picture, in sum, */
-    double moved;   /* and of these samples */
-    size_t n_going; /* of them */
+    int farthest;              /* of the radii of those that do not go by cells */
+    double light;              /* of the picture, in sum, */
+    double moved;              /* and of these samples */
+    double taken[3], given[3]; /* in each channel what goes, and what comes; */
+    double given_size[3];      /* and the sum of the sizes of what comes */
+    size_t n_going;            /* of them */
     bool out_of_memory;
 } Row;
 
@@ -83,16 +85,26 @@ static inline const BrightPixel *bright_at(const Maps *maps, uint32_t x, uint32_
 /* A part of the light that comes to a pixel that is reflected at least, as it is taken here: what is black has some skin. */
 #define LEAST_REFLECTED 0.02f
 
+/* And in each channel, of the mean. */
+#define LEAST_TINT 0.05f
+
 static inline float reflectance_at(const Maps *maps, uint32_t x, uint32_t y)
 {
     float reflectance = bright_reflectance(bright_at(maps, x, y));
     return reflectance > LEAST_REFLECTED ? reflectance : LEAST_REFLECTED;
 }
 
+static inline void tint_at(const Maps *maps, uint32_t x, uint32_t y, float tint[3])
+{
+    bright_tint(bright_at(maps, x, y), tint);
+    for (int c = 0; c < 3; c++) tint[c] = tint[c] > LEAST_TINT ? tint[c] : LEAST_TINT;
+}
+
 /* A sample on its way. */
 typedef struct Lone {
     uint32_t x, y, thing;
-    double light, rgb[3]; /* as parts of its pixel's mean */
+    double light, rgb[3]; /* as parts of its pixel's mean, */
+    double untinted[3];   /* and if what is reflected there had no colour */
     double seen;          /* its light, as a haze of it is seen */
     double reference;     /* what is usual there: the most of the brightest plain pixel next to it, the mean around */
     double lit;           /* how much light is: the same of that */

@@ -9,6 +9,7 @@
  * the wavelengths ([WNDWH14] A. Wilkie et al., "Hero Wavelength Spectral Sampling", EGSR 2014, eq. 5).
  * Where glass disperses, a path from the camera bends all four by the indices of one of them: see sample.c.
  * SPDX-License-Identifier: Apache-2.0 */
+#include <float.h>
 #include <stdlib.h>
 
 #include "trace/airlight.h"
@@ -188,19 +189,27 @@ static inline bool pass_event(Path *path, Event *event)
     return survives(path);
 }
 
-static float carried_by(const Path *path)
+static Lanes carried_by(const Path *path)
 {
-    return lanes_mean(path->beta) / lanes_mean(path->ratio);
+    return lanes_scale(path->beta, 1 / lanes_mean(path->ratio));
 }
 
-/* Whoever shares out single bright samples wants to know where a texture is dark. */
+static Reflected reflected_of(const Path *path, Lanes before, Lanes after)
+{
+    Reflected reflected = {.mean = lanes_mean(after) / lanes_mean(before)};
+    Lanes each = lanes_div(after, lanes_greater(before, lanes_all(FLT_MIN)));
+    color_from_lanes(lanes_mul(each, white_at(path->wavelengths.nm)), &path->wavelengths, reflected.rgb);
+    return reflected;
+}
+
+/* Whoever shares out single bright samples wants to know where a texture is dark, and of which colour it is. */
 static bool pass_noting(Path *path, Event *event)
 {
     Tracer *tracer = path->tracer;
-    float before = carried_by(path);
+    Lanes before = carried_by(path);
     bool goes_on = pass_event(path, event);
-    if (tracer->world->looks[event->hit.object].light == SCENE_NONE && before > 0)
-        tracer->reflected = goes_on ? carried_by(path) / before : 0;
+    if (tracer->world->looks[event->hit.object].light == SCENE_NONE && lanes_mean(before) > 0)
+        tracer->reflected = goes_on ? reflected_of(path, before, carried_by(path)) : (Reflected){0};
     return goes_on;
 }
 

@@ -93,8 +93,8 @@ typedef struct Tracer {
     uint32_t
         seen; /* what the last path met first: the object, a combination's own row, or beyond these what scatters, also
                * behind boundaries; SCENE_NONE: nothing, or a light */
-    float reflected; /* in a scene with textures: of what came to the opaque surface that the last path met first, behind boundaries,
-                      * too, what went on from there; < 0: it met none */
+    Reflected reflected; /* in a scene with textures: at the opaque surface that the last path met first, behind boundaries, too;
+                          * mean < 0: it met none */
     bool out_of_memory;
     bool notes_sight; /* of each path: */
     FirstSight first_sight;

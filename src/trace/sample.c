@@ -156,7 +156,7 @@ static CameraRay follow_path(Tracer *tracer, const PixelSampler *pixel, FilmPoin
         camera = &moved;
     }
     Footprint footprint;
-    tracer->reflected = -1;
+    tracer->reflected.mean = -1;
     if (UNLIKELY(!camera_ray(camera, point, lens, &path->ray, &footprint))) {
         tracer->seen = SCENE_NONE;
         tracer->first_sight = (FirstSight){.object = SCENE_NONE, .medium = SCENE_NONE};

@@ -42,7 +42,7 @@ static void state_make(RenderState *state, uint32_t first, uint32_t end)
                 uint32_t thing, pixel = y * WIDTH + x;
                 sample_at(pixel, i, rgb, &thing);
                 (void)film_add(&state->film, x, y, rgb, 1);
-                bright_film_add(&state->bright, x, y, rgb, thing, -1);
+                bright_film_add(&state->bright, x, y, rgb, thing, &(Reflected){.mean = -1});
                 assert_true(tally_add(&state->aovs.objects[pixel], thing, 1));
             }
     state->counters.paths = (uint64_t)(end - first) * (WIDTH - 1) * HEIGHT;

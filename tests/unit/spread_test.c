@@ -27,15 +27,15 @@ static void begin(Films *films)
     assert_int_equal(bright_film_init(&films->bright, false, SIDE, SIDE, &error), STATUS_OK);
 }
 
-static void add_reflected(Films *films, uint32_t x, uint32_t y, const float rgb[3], uint32_t thing, float reflected)
+static void add_reflected(Films *films, uint32_t x, uint32_t y, const float rgb[3], uint32_t thing, Reflected reflected)
 {
     (void)film_add(&films->film, x, y, rgb, thing != BRIGHT_NOTHING);
-    bright_film_add(&films->bright, x, y, rgb, thing, reflected);
+    bright_film_add(&films->bright, x, y, rgb, thing, &reflected);
 }
 
 static void add(Films *films, uint32_t x, uint32_t y, const float rgb[3], uint32_t thing)
 {
-    add_reflected(films, x, y, rgb, thing, -1);
+    add_reflected(films, x, y, rgb, thing, (Reflected){.mean = -1});
 }
 
 static uint32_t left_and_right(uint32_t x)
@@ -591,9 +591,11 @@ static void what_is_reflected_counts(void **state)
                 uint32_t x = at % LARGE, y = at / LARGE;
                 float some = reflected[(x / 3 + y / 3) % 2], light = lit * some;
                 if (lit == 0 && hash_to_unit(hash_u64((uint64_t)at << 32 | i)) < 0.02) light = bright * some;
-                add_reflected(&films, x, y, (float[]){light, light, light}, 1, (float)(i % 4) * some / 1.5f);
+                float said = (float)(i % 4) * some / 1.5f;
+                add_reflected(&films, x, y, (float[]){light, light, light}, 1, (Reflected){said, {said, said, said}});
             }
-        if (lit > 0) add_reflected(&films, LARGE / 2, LARGE / 2, (float[]){bright, bright, bright}, 1, -1);
+        if (lit > 0)
+            add_reflected(&films, LARGE / 2, LARGE / 2, (float[]){bright, bright, bright}, 1, (Reflected){.mean = -1});
         resolve_large(&films);
         assert_true(films.way.samples > 0);
         for (uint32_t y = LARGE / 4; y < LARGE - LARGE / 4; y++)
@@ -605,6 +607,46 @@ static void what_is_reflected_counts(void **state)
                 pixels[light]++;
             }
         assert_near(gains[0] / pixels[0] / (gains[1] / pixels[1]), 1 / 6.0, 0.03);
+        end(&films);
+    }
+}
+
+/* A wall of red and white squares, on which nothing shines but what some samples find: what comes to a square has its colour,
+ * near and far, whichever the sample was found on, and all that goes comes. */
+static void what_comes_gets_the_colour_there(void **state)
+{
+    (void)state;
+    static const Reflected squares[2] = {{0.29f, {0.8f, 0.05f, 0.02f}}, {0.85f, {0.85f, 0.85f, 0.85f}}};
+    for (int far = 0; far < 2; far++) {
+        Error error;
+        Films films;
+        double gains[2][3] = {{0}}, all[3] = {0}, size[3] = {0};
+        assert_int_equal(film_init(&films.film, LARGE, LARGE, &error), STATUS_OK);
+        assert_int_equal(bright_film_init(&films.bright, false, LARGE, LARGE, &error), STATUS_OK);
+        for (uint32_t at = 0; at < LARGE * LARGE; at++)
+            for (uint32_t i = 0; i < SAMPLES_OF_LARGE; i++) {
+                uint32_t x = at % LARGE, y = at / LARGE;
+                const Reflected *here = &squares[(x / 3 + y / 3) % 2];
+                bool found = hash_to_unit(hash_u64((uint64_t)at << 32 | i)) < (far ? 0.002 : 0.02);
+                float rgb[3];
+                for (int c = 0; c < 3; c++) rgb[c] = found ? 40 * here->rgb[c] : 0;
+                add_reflected(&films, x, y, rgb, 1, *here);
+            }
+        resolve_large(&films);
+        assert_true(films.way.samples > 0);
+        for (uint32_t at = 0; at < LARGE * LARGE; at++)
+            for (int c = 0; c < 3; c++) {
+                uint32_t x = at % LARGE, y = at / LARGE;
+                gains[(x / 3 + y / 3) % 2][c] += (double)films.spread.pixels[5 * (size_t)at + (size_t)c];
+                all[c] += films.way.pixels[at].rgb[c];
+                size[c] += fabs(films.way.pixels[at].rgb[c]);
+            }
+        for (int c = 0; c < 3; c++) assert_near(all[c] / size[c], 0, 1e-12);
+        for (int c = 1; c < 3; c++) {
+            assert_near(gains[0][c] / gains[0][0], (double)(squares[0].rgb[c] / squares[0].rgb[0]), 0.03);
+            assert_near(gains[1][c] / gains[1][0], 1, 0.05);
+        }
+        assert_near(gains[0][0] / gains[1][0], 0.8 / 0.85, 0.1);
         end(&films);
     }
 }
@@ -814,6 +856,7 @@ int main(void)
         cmocka_unit_test(what_goes_far_arrives),
         cmocka_unit_test(edges_get_as_much_from_far),
         cmocka_unit_test(what_is_reflected_counts),
+        cmocka_unit_test(what_comes_gets_the_colour_there),
         cmocka_unit_test(what_all_is_lit_by_is_no_tint),
         cmocka_unit_test(much_goes_far),
         cmocka_unit_test(order_and_area),
