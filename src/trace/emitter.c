@@ -191,6 +191,21 @@ static void add_glows(Finder *f)
     }
 }
 
+/* Where EmitterSet.powers has an emitter's. */
+static size_t place_of_power(const Finder *f, const Emitter *emitter)
+{
+    const Scene *scene = f->compiled->scene;
+    if (emitter->kind == EMITTER_LIGHT) return emitter->of;
+    if (emitter->kind != EMITTER_GLOW) return (size_t)scene->n_lights + scene->objects[emitter->of].surface;
+    return (size_t)scene->n_lights + scene->n_surfaces + f->media->glows[emitter->of].place->medium;
+}
+
+static void sum_powers(Finder *f)
+{
+    for (uint32_t i = 0; i < f->set->n; i++)
+        f->set->powers[place_of_power(f, &f->set->emitters[i])] += (double)f->bounds[i].power;
+}
+
 Status emitters_find(const CompiledScene *compiled, const WorldMedia *media, Pool *pool, EmitterSet *set, Error *error)
 {
     const Scene *scene = compiled->scene;
@@ -202,8 +217,10 @@ Status emitters_find(const CompiledScene *compiled, const WorldMedia *media, Poo
     Finder f = {compiled, media, set, malloc((n + 1) * sizeof *f.bounds)};
     set->emitters = malloc((n + 1) * sizeof *set->emitters);
     set->first_of_object = malloc((scene->n_objects + 1U) * sizeof *set->first_of_object);
+    size_t n_powers = (size_t)scene->n_lights + scene->n_surfaces + scene->n_media;
+    set->powers = calloc(n_powers + 1, sizeof *set->powers);
     Status status = STATUS_OK;
-    if (!f.bounds || !set->emitters || !set->first_of_object) {
+    if (!f.bounds || !set->emitters || !set->first_of_object || !set->powers) {
         status = fail_memory(error, n * sizeof *f.bounds, "lights");
     } else {
         for (uint32_t i = 0; i < scene->n_objects; i++) set->first_of_object[i] = EMITTER_NONE;
@@ -216,6 +233,7 @@ Status emitters_find(const CompiledScene *compiled, const WorldMedia *media, Poo
         }
         add_objects(&f);
         add_glows(&f);
+        sum_powers(&f);
         status = light_tree_new(f.bounds, set->n, pool, &set->tree, error);
     }
     free(f.bounds);
@@ -228,5 +246,6 @@ void emitters_clear(EmitterSet *set)
     light_tree_free(set->tree);
     free(set->emitters);
     free(set->first_of_object);
+    free(set->powers);
     *set = (EmitterSet){0};
 }

@@ -116,8 +116,8 @@ static WavelengthSample choose_wavelengths(const World *world, const PixelSample
 {
     const Sampler *sampler = &pixel->sampler;
     if (UNLIKELY(world->trial.wavelengths_by_chance))
-        return wavelengths_sample(hash_to_unit_f(sampler_key(sampler, DIM_WAVELENGTH)));
-    return wavelengths_sample(sampler_stream_1d(&pixel->wavelength, sampler->index_reversed));
+        return world_wavelengths(world, hash_to_unit_f(sampler_key(sampler, DIM_WAVELENGTH)));
+    return world_wavelengths(world, sampler_stream_1d(&pixel->wavelength, sampler->index_reversed));
 }
 
 static void set_colors(Path *path, IndexLanes lanes)

@@ -7,6 +7,19 @@
 
 #include "trace/light_reach.h"
 
+/* What a light, or all that are near, bring to the scene. */
+static double light_power(const World *world, uint32_t number)
+{
+    const Scene *scene = world->scene;
+    if (number == LIGHT_NEAR) return light_tree_power(world->emitters.tree);
+    Box3 bounds = rtc_scene_bounds(world->compiled->rtc);
+    double radius = box3_is_empty(bounds) ? 1 : 0.5 * vec3_length(vec3_sub(bounds.max, bounds.min));
+    double circle = acos(-1) * radius * radius;
+    if (number == LIGHT_ENVIRONMENT) return (double)environment_power(scene->environment) * circle;
+    const SceneLight *light = &scene->lights[number];
+    return fmax(spectrum_luminance(&light->radiance), 0) * 2 * acos(-1) * (1 - light->cos_angle) * circle;
+}
+
 static void add_choice(LightChoices *choices, uint32_t light, double power, double *total)
 {
     if (!(power > 0)) return;
@@ -31,24 +44,17 @@ static bool seeks_environment(const Scene *scene)
 static Status choose_lights(World *world, unsigned reach, Error *error)
 {
     const Scene *scene = world->scene;
-    const double pi = acos(-1);
     LightChoices *choices = &world->choices[reach];
-    Box3 bounds = rtc_scene_bounds(world->compiled->rtc);
-    double radius = box3_is_empty(bounds) ? 1 : 0.5 * vec3_length(vec3_sub(bounds.max, bounds.min)), total = 0;
+    double total = 0;
     choices->items = calloc(scene->n_lights + 2U, sizeof *choices->items);
     choices->of_light = calloc(scene->n_lights + 1U, sizeof *choices->of_light);
     if (!choices->items || !choices->of_light)
         return fail_memory(error, scene->n_lights * sizeof *choices->items, "lights");
-    if (reach & REACH_NEAR) add_choice(choices, LIGHT_NEAR, light_tree_power(world->emitters.tree), &total);
-    for (uint32_t i = 0; i < scene->n_lights && reach & REACH_FAR; i++) {
-        const SceneLight *light = &scene->lights[i];
-        if (light->kind != LIGHT_DISTANT) continue;
-        double cone = 2 * pi * (1 - light->cos_angle);
-        add_choice(choices, i, fmax(spectrum_luminance(&light->radiance), 0) * cone * pi * radius * radius, &total);
-    }
+    if (reach & REACH_NEAR) add_choice(choices, LIGHT_NEAR, light_power(world, LIGHT_NEAR), &total);
+    for (uint32_t i = 0; i < scene->n_lights && reach & REACH_FAR; i++)
+        if (scene->lights[i].kind == LIGHT_DISTANT) add_choice(choices, i, light_power(world, i), &total);
     if (reach & REACH_FAR && seeks_environment(scene))
-        add_choice(choices, LIGHT_ENVIRONMENT, (double)environment_power(scene->environment) * pi * radius * radius,
-                   &total);
+        add_choice(choices, LIGHT_ENVIRONMENT, light_power(world, LIGHT_ENVIRONMENT), &total);
     uint32_t n_near = reach & REACH_NEAR ? world->emitters.n_sources : 0, n_sources = choices->n;
     if (n_near) n_sources += n_near - 1;
     double cumulative = 0;
@@ -186,6 +192,32 @@ static bool lens_may_cross(const World *world)
     return false;
 }
 
+static Status find_lines(World *world, Error *error)
+{
+    const Scene *scene = world->scene;
+    const double *powers = world->emitters.powers;
+    size_t n = (size_t)scene->n_lights + scene->n_surfaces + scene->n_media, k = 0;
+    LightOfScene *lights = malloc((n + 1) * sizeof *lights);
+    if (!lights) return fail_memory(error, n * sizeof *lights, "the spectra of lights");
+    for (uint32_t i = 0; i < scene->n_lights; i++, k++) {
+        double far = scene->lights[i].kind == LIGHT_DISTANT ? light_power(world, i) : 0;
+        lights[k] = (LightOfScene){&scene->lights[i].radiance, powers[k] + far};
+    }
+    for (uint32_t i = 0; i < scene->n_surfaces; i++, k++) {
+        const SceneSurface *surface = &scene->surfaces[i];
+        bool even = surface->emission_texture == SCENE_NONE;
+        lights[k] = (LightOfScene){even ? &surface->emission : NULL, powers[k]};
+    }
+    for (uint32_t i = 0; i < scene->n_media; i++, k++) {
+        const SceneMedium *medium = &scene->media[i];
+        lights[k] = (LightOfScene){medium->temperature ? NULL : &medium->emission, powers[k]};
+    }
+    lights[k] = (LightOfScene){NULL, scene->environment ? light_power(world, LIGHT_ENVIRONMENT) : 0};
+    Status status = wavelength_lines_new(lights, n + 1, &world->lines, error);
+    free(lights);
+    return status;
+}
+
 Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, uint32_t max_bounces,
                   bool no_absorption, Pool *pool, Error *error)
 {
@@ -205,6 +237,7 @@ Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, 
         status = choose_lights(world, reach, error);
     if (status == STATUS_OK) status = light_reach_find(world, error);
     if (status == STATUS_OK) status = find_portals(world, error);
+    if (status == STATUS_OK) status = find_lines(world, error);
     if (status == STATUS_OK) {
         for (unsigned reach = 0; reach < REACHES; reach++)
             world->choices[reach].one = is_one_light(world, &world->choices[reach]);
@@ -262,6 +295,7 @@ void world_clear(World *world)
     media_clear(&world->media);
     balances_free(world->balances);
     lens_free(world->lens);
+    wavelength_lines_free(world->lines);
     for (unsigned reach = 0; reach < REACHES; reach++) {
         free(world->choices[reach].items);
         free(world->choices[reach].of_light);

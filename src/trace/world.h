@@ -4,7 +4,7 @@
 #ifndef MEN_WORLD_H
 #define MEN_WORLD_H
 
-#include "optics/color.h"
+#include "optics/lines.h"
 #include "optics/portal.h"
 #include "scene/compile.h"
 #include "trace/balances.h"
@@ -89,6 +89,7 @@ typedef struct World {
     uint32_t max_bounces;
     uint32_t long_way; /* bounces after which even paths that carry much are left to chance: half of these, and many */
     Box3 *mesh_boxes; /* of each shape that is a mesh without coordinates, for texture_uv; NULL: they were not asked for */
+    WavelengthLines *lines;   /* NULL: no light is one */
     ReflectedColor reflected; /* for the albedo that is seen first */
     SceneCamera camera; /* of the scene, off the surfaces of operands that are none of their combinations */
 } World;
@@ -104,6 +105,11 @@ void world_clear(World *world);
 static inline bool world_medium_disperses(const World *world, uint32_t medium)
 {
     return world->scene->media[medium].ior.kind != SPECTRUM_CONSTANT;
+}
+/* The wavelengths of a path, by u in [0, 1). */
+static inline WavelengthSample world_wavelengths(const World *world, float u)
+{
+    return LIKELY(!world->lines) ? wavelengths_sample(u) : wavelength_lines_sample(world->lines, u);
 }
 /* What there is to choose from wherever a place is. */
 static inline const LightChoices *world_lights(const World *world)

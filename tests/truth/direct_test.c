@@ -299,12 +299,34 @@ static void through_panes(void **state)
     }
 }
 
+/* Three lanes of each path are for lines where these are all the light, and one beside other lights: the light of two lamps is
+ * that of one and that of the other. */
+static void lamps_of_lines(void **state)
+{
+    (void)state;
+    static const char line[] = "light { shape = sphere  from = <0, 20, 0>  radius = 4  "
+                               "radiance = 90  color = spectrum([<588.9, 0>, <589, 1>, <589.1, 0>]) }",
+                      white[] = "light { shape = sphere  from = <9, 20, 3>  radius = 4  radiance = 80 }";
+    char text[1500];
+    snprintf(text, sizeof text, FLOOR "%s\n", line);
+    Estimate of_line = truth_measure(text, NULL, 64, false), by_chance = truth_measure(text, NULL, 4096, true);
+    truth_alike("lamp of one line, by chance", by_chance, of_line, 4, 0.01);
+    assert_true(of_line.error < 0.002 * of_line.mean);
+    snprintf(text, sizeof text, FLOOR "%s\n", white);
+    Estimate of_white = truth_measure(text, NULL, 512, false);
+    snprintf(text, sizeof text, FLOOR "%s\n%s\n", line, white);
+    Estimate of_both = truth_measure(text, NULL, 512, false);
+    Estimate sum = {of_line.mean + of_white.mean, hypot(of_line.error, of_white.error)};
+    truth_alike("that lamp and a white one", of_both, sum, 4, 0.002);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(spheres),      cmocka_unit_test(quads),         cmocka_unit_test(discs),
-        cmocka_unit_test(into_a_cone),  cmocka_unit_test(from_infinity), cmocka_unit_test(in_murk),
-        cmocka_unit_test(bulb_in_murk), cmocka_unit_test(agree_in_fog),  cmocka_unit_test(through_panes),
+        cmocka_unit_test(spheres),        cmocka_unit_test(quads),         cmocka_unit_test(discs),
+        cmocka_unit_test(into_a_cone),    cmocka_unit_test(from_infinity), cmocka_unit_test(in_murk),
+        cmocka_unit_test(bulb_in_murk),   cmocka_unit_test(agree_in_fog),  cmocka_unit_test(through_panes),
+        cmocka_unit_test(lamps_of_lines),
     };
     return cmocka_run_group_tests_name("direct light", tests, NULL, NULL);
 }

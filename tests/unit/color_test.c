@@ -6,7 +6,8 @@
 
 #include "base/hash.h"
 #include "exact_color.h"
-#include "optics/color.h"
+#include "near.h"
+#include "optics/lines.h"
 #include "optics/observer.h"
 
 static void observer_adds_up(void **unused)
@@ -86,7 +87,8 @@ static void wavelengths_cover_the_range(void **unused)
     /* in order, end to end, so each density is above zero */
     assert_float_equal(observer_wavelengths[0], SPECTRUM_MIN_NM, 0);
     assert_float_equal(observer_wavelengths[OBSERVER_WAVELENGTH_CELLS], SPECTRUM_MAX_NM, 0);
-    for (int i = 0; i < OBSERVER_WAVELENGTH_CELLS; i++) assert_true(observer_wavelengths[i] < observer_wavelengths[i + 1]);
+    for (int i = 0; i < OBSERVER_WAVELENGTH_CELLS; i++)
+        assert_true(observer_wavelengths[i] < observer_wavelengths[i + 1]);
 
     double mass = 0;
     float before = SPECTRUM_MIN_NM;
@@ -115,14 +117,15 @@ typedef struct Moments {
     double mean[3], deviation[3];
 } Moments;
 
-/* Over all u. hero: only the first lane carries radiance, four times over, as after dispersion. */
-static Moments moments_of(const Spectrum *light, bool hero)
+/* Over all u. hero: only the first lane carries radiance, four times over, as after dispersion. lines: NULL, or whose wavelengths. */
+static Moments moments_by(const WavelengthLines *lines, const Spectrum *light, bool hero)
 {
     Moments moments = {{0}, {0}};
     enum { STEPS = 1 << 18 };
     for (int i = 0; i < STEPS; i++) {
         float rgb[3];
-        WavelengthSample wavelengths = wavelengths_sample(((float)i + 0.5f) / STEPS);
+        float u = ((float)i + 0.5f) / STEPS;
+        WavelengthSample wavelengths = lines ? wavelength_lines_sample(lines, u) : wavelengths_sample(u);
         Lanes radiance = spectrum_at(light, wavelengths.nm);
         if (hero) radiance = lanes(LANES * lanes_get(radiance, 0), 0, 0, 0);
         color_from_lanes(radiance, &wavelengths, rgb);
@@ -133,6 +136,11 @@ static Moments moments_of(const Spectrum *light, bool hero)
     }
     for (int c = 0; c < 3; c++) moments.deviation[c] = sqrt(moments.deviation[c] - moments.mean[c] * moments.mean[c]);
     return moments;
+}
+
+static Moments moments_of(const Spectrum *light, bool hero)
+{
+    return moments_by(NULL, light, hero);
 }
 
 static void white_is_white(void **unused)
@@ -176,6 +184,79 @@ static void sampling_is_unbiased(void **unused)
             assert_float_equal((float)four.mean[c], (float)exact[c], 1e-4f);
             assert_float_equal((float)one.mean[c], (float)exact[c], 1e-4f);
         }
+    }
+}
+
+/* The lamp of sodium, and two lasers. */
+static const double sodium_rows[] = {588.9, 0, 589, 1, 589.1, 0, 589.5, 0, 589.6, .5, 589.7, 0};
+static const double laser_rows[] = {450, 0, 452, 1, 454, 0, 530, 0, 532, 2, 534, 0};
+
+static double worst_of(const double deviation[3], const double mean[3])
+{
+    double size = fmax(fmax(fabs(mean[0]), fabs(mean[1])), fabs(mean[2]));
+    return fmax(fmax(deviation[0], deviation[1]), deviation[2]) / size;
+}
+
+static void lines_are_told_apart(void **unused)
+{
+    (void)unused;
+    float sodium[SPECTRUM_SAMPLES], lasers[SPECTRUM_SAMPLES], glow[SPECTRUM_SAMPLES];
+    Spectrum lines[] = {spectrum_from_rows(sodium_rows, COUNT_OF(sodium_rows) / 2, sodium),
+                        spectrum_from_rows(laser_rows, COUNT_OF(laser_rows) / 2, lasers)};
+    for (size_t i = 0; i < COUNT_OF(lines); i++) assert_true(spectrum_is_lines(&lines[i]));
+    static const double colors[][3] = {{1, 1, 1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, .2, .05}, {0, 0, 0}};
+    for (size_t i = 0; i < COUNT_OF(colors); i++) {
+        Spectrum light = spectrum_from_light(colors[i]);
+        assert_false(spectrum_is_lines(&light));
+    }
+    Spectrum candle = spectrum_blackbody(1800, glow), flat = spectrum_constant(1);
+    assert_false(spectrum_is_lines(&candle));
+    assert_false(spectrum_is_lines(&flat));
+    const LightOfScene none[] = {{&candle, 1}, {&flat, 2}, {NULL, 3}, {&lines[0], 0.05}, {&lines[1], 0}};
+    WavelengthLines *found;
+    Error error;
+    assert_int_equal(wavelength_lines_new(none, COUNT_OF(none), &found, &error), STATUS_OK);
+    assert_null(found);
+    wavelength_lines_free(found);
+}
+
+/* With lanes for lines, alone and beside a white light: of each light the same is found as without, of the lines with a part of
+ * the noise, and of the others with not much more. */
+static void lines_are_found(void **unused)
+{
+    (void)unused;
+    float sodium[SPECTRUM_SAMPLES], lasers[SPECTRUM_SAMPLES], random[SPECTRUM_SAMPLES];
+    for (uint32_t i = 0; i < SPECTRUM_SAMPLES; i++) random[i] = hash_to_unit_f(hash_u32(i + 77));
+    const Spectrum white = spectrum_from_light((const double[3]){1, 1, 1});
+    const Spectrum lights[] = {spectrum_from_rows(sodium_rows, COUNT_OF(sodium_rows) / 2, sodium),
+                               spectrum_from_rows(laser_rows, COUNT_OF(laser_rows) / 2, lasers),
+                               white,
+                               {.kind = SPECTRUM_TABLE, .scale = 2, .table = random}};
+    for (int others = 0; others < 2; others++) {
+        Error error;
+        WavelengthLines *lines;
+        const LightOfScene list[] = {{&lights[0], 0.1}, {&lights[1], 0.02}, {&white, 1}};
+        assert_int_equal(wavelength_lines_new(list, 2 + (size_t)others, &lines, &error), STATUS_OK);
+        assert_non_null(lines);
+        for (size_t i = 0; i < COUNT_OF(lights); i++) {
+            double exact[3], size = 0;
+            color_from_spectrum(&lights[i], exact);
+            for (int c = 0; c < 3; c++) size = fmax(size, fabs(exact[c]));
+            Moments four = moments_by(lines, &lights[i], false), one = moments_by(lines, &lights[i], true);
+            Moments before = moments_by(NULL, &lights[i], false);
+            double noise = worst_of(four.deviation, exact), noise_before = worst_of(before.deviation, exact);
+            for (int c = 0; c < 3; c++) {
+                assert_near(four.mean[c] / size, exact[c] / size, 2e-4);
+                assert_near(one.mean[c] / size, exact[c] / size, 2e-3);
+            }
+            printf("light %zu%s: deviation %.3f, %.3f without lanes for lines\n", i, others ? " beside white" : "",
+                   noise, noise_before);
+            if (i < 2)
+                assert_true(noise < (others ? 0.65 : 0.36) * noise_before);
+            else
+                assert_true(noise < (others ? 0.75 : 3));
+        }
+        wavelength_lines_free(lines);
     }
 }
 
@@ -230,6 +311,8 @@ int main(void)
         cmocka_unit_test(wavelengths_cover_the_range),
         cmocka_unit_test(white_is_white),
         cmocka_unit_test(sampling_is_unbiased),
+        cmocka_unit_test(lines_are_told_apart),
+        cmocka_unit_test(lines_are_found),
         cmocka_unit_test(luminance_weighs),
         cmocka_unit_test(spectral_locus),
     };
