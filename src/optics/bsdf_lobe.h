@@ -214,8 +214,7 @@ Lanes boundary_missing(const BsdfBoundary *boundary, bool behind, Vec3f w); /* w
 /* missing_v: of view */
 void boundary_evaluate(const BsdfBoundary *boundary, Vec3f view, Vec3f light, Lanes missing_v, Lanes *f_cos,
                        Lanes *pdf_w);
-bool boundary_sample(const BsdfBoundary *boundary, Vec3f view, Lanes missing_v, float u_choice, const float u[2],
-                     LobeSample *sample);
+bool boundary_sample(const BsdfBoundary *boundary, Vec3f view, float u_choice, const float u[2], LobeSample *sample);
 void sheet_evaluate(const BsdfSheet *sheet, Vec3f view, Vec3f light, Lanes *f_cos, Lanes *pdf_w);
 /* What a smooth sheet lets straight on; of a rough one nothing. */
 Lanes sheet_straight(const BsdfSheet *sheet, float cosine);
