@@ -51,6 +51,14 @@ static bool is_plain(const BrightPixel *pixel, uint32_t n_samples)
                         bright_light(pixel->rgb[few - 1]) >= bright_light(pixel->rgb[0]) * ALIKE);
 }
 
+static uint8_t bits_of_few(const BrightPixel *pixel, uint32_t n_samples)
+{
+    uint8_t bits = 0;
+    for (int i = 0; i < BRIGHT_KEPT; i++) bits |= (uint8_t)(has_few_alike(pixel, i, n_samples) << i);
+    return bits;
+}
+_Static_assert(BRIGHT_KEPT <= 8, "a bit for each");
+
 /* What a pixel's mean is without the samples that have few like them, or with them. */
 static double light_of(const FilmPixel *pixel, const BrightPixel *without)
 {
@@ -98,12 +106,14 @@ static void look_at_row(void *context, uint32_t index, unsigned worker)
         const BrightPixel *bright = bright_at(maps, x, y);
         float reflectance = reflectance_at(maps, x, y);
         looks->plain[i] = (float)light_of(pixel, bright);
+        looks->plain_root[i] = sqrtf(sqrtf(looks->plain[i]));
         looks->lit[i] = looks->plain[i] / reflectance;
         looks->brightest[i] = bright_light(bright->rgb[0]);
         looks->seen[i] = (uint16_t)bright->seen;
         for (int c = 0; c < 3; c++)
             looks->colors[c][i] = pixel->n ? (float)((double)pixel->rgb[c] * FILM_UNIT / pixel->n) : 0;
         for (int k = 0; k < BRIGHT_KEPT; k++) looks->lights[i][k] = bright_light(bright->rgb[k]);
+        looks->few[i] = is_plain(bright, pixel->n) ? 0 : bits_of_few(bright, pixel->n);
         for (int k = 0; k < BRIGHT_THINGS && bright->counts[k] && pixel->n; k++) {
             looks->things[k][i] = bright->things[k];
             looks->shares[k][i] = reflectance * (float)bright->counts[k] / (float)pixel->n;
@@ -279,13 +289,14 @@ static bool maps_init(Maps *maps)
 {
     size_t n = (size_t)maps->width * maps->height;
     Looks *looks = &maps->looks;
-    float **floats[] = {&looks->shares[0], &looks->shares[1], &looks->shares[2], &looks->plain,
-                        &looks->around,    &looks->brightest, &looks->lit,       &looks->lit_around,
-                        &looks->colors[0], &looks->colors[1], &looks->colors[2]};
+    float **floats[] = {&looks->shares[0],  &looks->shares[1], &looks->shares[2], &looks->plain,
+                        &looks->plain_root, &looks->around,    &looks->brightest, &looks->lit,
+                        &looks->lit_around, &looks->colors[0], &looks->colors[1], &looks->colors[2]};
     bool ready = (maps->rows = calloc(maps->height, sizeof *maps->rows)) != NULL;
     for (size_t i = 0; i < COUNT_OF(floats); i++) ready = (*floats[i] = calloc(n, sizeof(float))) != NULL && ready;
     ready = (looks->lights = calloc(n, sizeof *looks->lights)) != NULL && ready;
     ready = (looks->seen = calloc(n, sizeof *looks->seen)) != NULL && ready;
+    ready = (looks->few = calloc(n, sizeof *looks->few)) != NULL && ready;
     for (int k = 0; k < BRIGHT_THINGS; k++)
         ready = (looks->things[k] = calloc(n, sizeof *looks->things[k])) != NULL && ready;
     return ready;
@@ -300,6 +311,7 @@ static void maps_clear(Maps *maps)
         free(looks->shares[k]);
     }
     free(looks->plain);
+    free(looks->plain_root);
     free(looks->around);
     free(looks->lit);
     free(looks->lit_around);
@@ -307,6 +319,7 @@ static void maps_clear(Maps *maps)
     free(looks->brightest);
     free(looks->lights);
     free(looks->seen);
+    free(looks->few);
     thing_boxes_clear(&maps->boxes);
     free(maps->rows);
 }
@@ -391,7 +404,7 @@ Status spread_init(Spread *spread, const Film *film, const BrightFilm *bright, c
     maps_clear(&maps);
     if (good) return STATUS_OK;
     spread_clear(spread);
-    return fail_memory(error, n * (sizeof *spread->pixels + (2 * BRIGHT_THINGS + 9 + BRIGHT_KEPT) * sizeof(float)),
+    return fail_memory(error, n * (sizeof *spread->pixels + (2 * BRIGHT_THINGS + 10 + BRIGHT_KEPT) * sizeof(float)),
                        "single bright samples");
 }
 

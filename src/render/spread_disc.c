@@ -27,8 +27,10 @@ enum { BESIDE = 2 };
 #define EDGE_FOUND 0.005
 #define LEAST_LEFT 0.5
 
-/* How much of a sample each of n pixels from `first` on gets, in relation to others, were it beside it. */
-static void weights_of(const Looks *looks, const Lone *lone, size_t first, uint32_t n, double *restrict weights)
+/* Of each of n pixels from `first` on: its share in the thing, and how much of a sample it gets, in relation to others, were it beside
+ * it. */
+static void weights_of(const Looks *looks, const Lone *lone, size_t first, uint32_t n, double *restrict shares,
+                       double *restrict weights)
 {
     const uint32_t *t0 = looks->things[0] + first, *t1 = looks->things[1] + first, *t2 = looks->things[2] + first;
     const float *s0 = looks->shares[0] + first, *s1 = looks->shares[1] + first, *s2 = looks->shares[2] + first;
@@ -41,6 +43,7 @@ static void weights_of(const Looks *looks, const Lone *lone, size_t first, uint3
         share = t1[i] == thing ? second_share : share;
         share = t0[i] == thing ? first_share : share;
         double light = black + slope * (double)lit[i];
+        shares[i] = (double)share;
         weights[i] = (double)share * (light < 1 ? light : 1);
     }
 }
@@ -48,8 +51,8 @@ _Static_assert(BRIGHT_THINGS == 3, "the things that are asked for");
 
 static double weight_of(const Looks *looks, const Lone *lone, size_t pixel)
 {
-    double weight;
-    weights_of(looks, lone, pixel, 1, &weight);
+    double share, weight;
+    weights_of(looks, lone, pixel, 1, &share, &weight);
     return weight;
 }
 
@@ -74,8 +77,8 @@ double spread_usual_light(const Maps *maps, uint32_t x, uint32_t y)
     return most_beside(maps, maps->looks.lit, maps->looks.lit_around, x, y);
 }
 
-/* The pixel's samples that are comparable to it, as far as they are kept. */
-static uint32_t count_alike(const Maps *maps, const Lone *lone, size_t pixel)
+/* The pixel's samples that are comparable to it, as far as they are kept, and of these those that `kept` has: see Looks.few. */
+static uint32_t count_kept(const Maps *maps, const Lone *lone, size_t pixel, uint32_t kept)
 {
     const Looks *looks = &maps->looks;
     const float *lights = looks->lights[pixel];
@@ -83,17 +86,25 @@ static uint32_t count_alike(const Maps *maps, const Lone *lone, size_t pixel)
     if (looks->brightest[pixel] < lone->least) return 0;
     uint32_t thing = find_thing(looks, pixel, lone->thing);
     if (thing == BRIGHT_THINGS) return 0;
-    for (int i = 0; i < BRIGHT_KEPT && lights[i] >= lone->least; i++, seen >>= 2) alike += (seen & 3) == thing;
+    for (int i = 0; i < BRIGHT_KEPT && lights[i] >= lone->least; i++, seen >>= 2, kept >>= 1)
+        alike += (seen & 3) == thing && (kept & 1);
     return alike;
 }
 
-/* The same of pixels of a row, until they are enough. */
-static uint32_t count_alike_of(const Maps *maps, const Lone *lone, const Span *span, uint32_t y, uint32_t enough)
+static uint32_t count_alike(const Maps *maps, const Lone *lone, size_t pixel)
+{
+    return count_kept(maps, lone, pixel, UINT32_MAX);
+}
+
+/* The same of pixels of a row, until they are enough; few: of those that have few alike in their pixel. */
+static uint32_t count_alike_of(const Maps *maps, const Lone *lone, const Span *span, uint32_t y, bool few,
+                               uint32_t enough)
 {
     size_t pixel = place_in(maps->area, span->x0, y);
     uint32_t alike = 0;
     for (uint32_t x = span->x0; x < span->x1 && alike < enough; x++, pixel++)
-        if (UNLIKELY(maps->looks.brightest[pixel] >= lone->least)) alike += count_alike(maps, lone, pixel);
+        if (UNLIKELY(maps->looks.brightest[pixel] >= lone->least))
+            alike += count_kept(maps, lone, pixel, few ? maps->looks.few[pixel] : UINT32_MAX);
     return alike;
 }
 
@@ -119,7 +130,7 @@ static double usual_beside(const Maps *maps, const Lone *lone)
     Square square = square_around(lone, BESIDE);
     Span span = {square.x0, square.x1};
     uint32_t alike = 0, pixels = (square.x1 - square.x0) * (square.y1 - square.y0);
-    for (uint32_t y = square.y0; y < square.y1; y++) alike += count_alike_of(maps, lone, &span, y, UINT32_MAX);
+    for (uint32_t y = square.y0; y < square.y1; y++) alike += count_alike_of(maps, lone, &span, y, false, UINT32_MAX);
     return alike > 1 ? lone->light * (alike - 1) / (pixels - 1) : 0;
 }
 
@@ -174,16 +185,18 @@ static void find_spans(const Square *square, const Lone *lone, int inner, int ou
 
 static void sum_span(const Maps *maps, const Lone *lone, const Span *span, uint32_t y, Around *sums)
 {
-    double weights[2 * SPREAD_FARTHEST + 1], dy = (double)y - lone->y;
+    double weights[2 * SPREAD_FARTHEST + 1], shares[2 * SPREAD_FARTHEST + 1], dy = (double)y - lone->y;
     if (span->x0 >= span->x1) return;
     size_t first = place_in(maps->area, span->x0, y);
-    weights_of(&maps->looks, lone, first, span->x1 - span->x0, weights);
+    weights_of(&maps->looks, lone, first, span->x1 - span->x0, shares, weights);
     Around sum = {0};
     double dx = (double)span->x0 - lone->x;
     for (uint32_t i = 0; i < span->x1 - span->x0; i++, dx++) {
         double distance = dx * dx + dy * dy, weight = weights[i];
-        double light = weight * (double)maps->looks.plain[first + i];
+        double light = shares[i] * (double)maps->looks.plain_root[first + i];
         sum.weights += weight;
+        sum.shares += shares[i];
+        sum.shares_by_distance += shares[i] * distance;
         sum.light += light;
         sum.weights_by_distance += weight * distance;
         sum.light_by_distance += light * distance;
@@ -191,6 +204,8 @@ static void sum_span(const Maps *maps, const Lone *lone, const Span *span, uint3
         sum.middle_by_distance[0] += weight * distance * dx;
     }
     sums->weights += sum.weights;
+    sums->shares += sum.shares;
+    sums->shares_by_distance += sum.shares_by_distance;
     sums->light += sum.light;
     sums->weights_by_distance += sum.weights_by_distance;
     sums->light_by_distance += sum.light_by_distance;
@@ -200,19 +215,23 @@ static void sum_span(const Maps *maps, const Lone *lone, const Span *span, uint3
     sums->middle_by_distance[1] += sum.weights_by_distance * dy;
 }
 
-/* From one disc, and its square, to a larger one. inner -1: there is none. What is alike is counted until it is enough. */
+/* From one disc, and its square, to a larger one. inner -1: there is none. What is alike is counted until it is enough: farther away,
+ * and then anew, only what has few alike where it is. A lamp that is seen there, in bright pixels, does not hold up what is dark. */
 static void look_farther(const Maps *maps, const Lone *lone, int inner, int outer, uint32_t enough, Around *sums)
 {
     Square square = square_around(lone, outer);
+    bool few = outer > NEAR;
+    int counted = few && inner <= NEAR ? -1 : inner;
+    if (counted < 0) sums->alike = 0;
     for (uint32_t y = square.y0; y < square.y1; y++) {
         int dy = abs((int)y - (int)lone->y);
         Span discs[2], squares[2];
         find_spans(&square, lone, half_width(dy, inner), half_width(dy, outer), discs);
-        find_spans(&square, lone, dy > inner ? -1 : inner, outer, squares);
+        find_spans(&square, lone, dy > counted ? -1 : counted, outer, squares);
         for (int side = 0; side < 2; side++) {
             sum_span(maps, lone, &discs[side], y, sums);
             if (sums->alike < enough)
-                sums->alike += count_alike_of(maps, lone, &squares[side], y, enough - sums->alike);
+                sums->alike += count_alike_of(maps, lone, &squares[side], y, few, enough - sums->alike);
         }
     }
 }
@@ -271,8 +290,8 @@ bool spread_ends(const Lone *lone, const Around *sums, int radius, double own, W
     double end = end_of(radius);
     uint32_t enough = spread_enough(lone, radius);
     way->weights = sums->weights - sums->weights_by_distance / end;
-    double plain = (sums->light - sums->light_by_distance / end) / way->weights;
-    *alone = lone->seen * own / (way->weights * fmin(lone->reference, plain));
+    double root = (sums->light - sums->light_by_distance / end) / (sums->shares - sums->shares_by_distance / end);
+    *alone = lone->seen * own / (way->weights * fmin(lone->reference, root * root * root * root));
     bool unseen = sums->alike * *alone <= UNSEEN;
     if (!unseen && sums->alike < LEAST_LEFT * enough) return false;
     double left = find_image(sums, radius, way);
@@ -347,7 +366,8 @@ Span spread_weights_of_row(const Maps *maps, const Lone *lone, const Way *way, u
     double dy = (double)y - lone->y;
     find_spans(&square, lone, -1, half_width(abs((int)y - (int)lone->y), way->radius), spans);
     uint32_t x0 = spans[0].x0, n = spans[0].x1 - x0;
-    weights_of(&maps->looks, lone, place_in(maps->area, x0, y), n, weights);
+    double shares[2 * SPREAD_FARTHEST + 1];
+    weights_of(&maps->looks, lone, place_in(maps->area, x0, y), n, shares, weights);
     double dx = (double)x0 - lone->x;
     if (way->mirrored)
         for (uint32_t i = 0; i < n; i++, dx++)

@@ -27,8 +27,8 @@ typedef struct Cells {
     double scale;             /* of light, by the level */
     const FarSample *samples; /* of the level */
     size_t n_samples;
-    /* Of each cell: its pixels' shares in the thing, and these times usual(); and both times what is plain there */
-    double *even, *usual, *even_light, *usual_light;
+    /* Of each cell: its pixels' shares in the thing; these times usual(), and times the fourth root of what is plain */
+    double *even, *usual, *light;
     /* Those samples that the thing's pixels keep, the brightest first: of cell i from first[i] up to but without first[i + 1] */
     size_t *first;
     float *lights;
@@ -67,7 +67,7 @@ static void add_pixels(const Cells *cells, uint32_t y, double part, uint32_t row
     const ThingBox *box = &cells->box;
     size_t pixel = place_in(cells->maps->area, box->x0, y), first = (size_t)row * cells->width;
     for (uint32_t x = 0; x < box->x1 - box->x0; x++, pixel++) {
-        double share = part * share_of(cells, pixel), plain = (double)cells->maps->looks.plain[pixel];
+        double share = part * share_of(cells, pixel), root = (double)cells->maps->looks.plain_root[pixel];
         if (!(share > 0)) continue;
         Between columns = between(x, cells->width);
         const size_t at[2] = {first + columns.one, first + columns.other};
@@ -76,8 +76,7 @@ static void add_pixels(const Cells *cells, uint32_t y, double part, uint32_t row
         for (int k = 0; k < 2; k++) {
             cells->even[at[k]] += parts[k];
             cells->usual[at[k]] += parts[k] * by_usual;
-            cells->even_light[at[k]] += parts[k] * plain;
-            cells->usual_light[at[k]] += parts[k] * by_usual * plain;
+            cells->light[at[k]] += parts[k] * root;
         }
     }
 }
@@ -85,10 +84,10 @@ static void add_pixels(const Cells *cells, uint32_t y, double part, uint32_t row
 static void add_up_row(void *context, uint32_t row, unsigned worker)
 {
     const Cells *cells = context;
-    double *const sums[] = {cells->even, cells->usual, cells->even_light, cells->usual_light};
+    double *const sums[] = {cells->even, cells->usual, cells->light};
     uint32_t height = cells->box.y1 - cells->box.y0;
     (void)worker;
-    for (size_t k = 0; k < 4; k++)
+    for (size_t k = 0; k < COUNT_OF(sums); k++)
         for (uint32_t i = 0; i < cells->width; i++) sums[k][(size_t)row * cells->width + i] = 0;
     for (uint32_t y = row > 0 ? row * SIDE - SIDE / 2 : 0; y < height && y < row * SIDE + SIDE + SIDE / 2; y++) {
         Between rows = between(y, cells->height);
@@ -97,14 +96,14 @@ static void add_up_row(void *context, uint32_t row, unsigned worker)
     }
 }
 
-/* The lights of a pixel's samples of the thing; how many. lights: NULL, or room for them. */
+/* The lights of a pixel's samples of the thing that have few alike there; how many. lights: NULL, or room for them. */
 static uint32_t lights_of_pixel(const Cells *cells, uint32_t x, uint32_t y, float *lights)
 {
     const Looks *looks = &cells->maps->looks;
     size_t pixel = place_in(cells->maps->area, x, y);
     uint32_t thing = find_thing(looks, pixel, cells->thing), seen = looks->seen[pixel], n = 0;
     for (int i = 0; thing < BRIGHT_THINGS && i < BRIGHT_KEPT && looks->lights[pixel][i] > 0; i++, seen >>= 2) {
-        if ((seen & 3) != thing) continue;
+        if ((seen & 3) != thing || !(looks->few[pixel] >> i & 1)) continue;
         if (lights) lights[n] = looks->lights[pixel][i];
         n++;
     }
@@ -201,8 +200,10 @@ static void sum_cells(const Cells *cells, const Lone *lone, uint32_t row, Span s
     size_t cell = (size_t)row * cells->width + span.x0;
     for (uint32_t i = span.x0; i < span.x1; i++, cell++, dx += SIDE) {
         double weight = weight_of_cell(cells, lone, cell), distance = dx * dx + dy * dy;
-        double light = lone->black * cells->even_light[cell] + (1 - lone->black) * cells->usual_light[cell];
+        double share = cells->even[cell], light = cells->light[cell];
         sums->weights += weight;
+        sums->shares += share;
+        sums->shares_by_distance += share * distance;
         sums->light += light;
         sums->weights_by_distance += weight * distance;
         sums->light_by_distance += light * distance;
@@ -425,8 +426,7 @@ static void clear_cells(Cells *cells)
 {
     free(cells->even);
     free(cells->usual);
-    free(cells->even_light);
-    free(cells->usual_light);
+    free(cells->light);
     free(cells->first);
     free(cells->lights);
     free(cells->gifts);
@@ -458,9 +458,9 @@ static bool make_cells(Cells *cells, const Maps *maps, uint32_t thing, bool to_f
                      .height = (box->y1 - box->y0 + SIDE - 1) / SIDE};
     size_t n = (size_t)cells->width * cells->height;
     if (!to_find) return (cells->gifts = malloc(n * sizeof *cells->gifts)) != NULL;
-    double **sums[] = {&cells->even, &cells->usual, &cells->even_light, &cells->usual_light};
+    double **sums[] = {&cells->even, &cells->usual, &cells->light};
     bool ready = true;
-    for (size_t k = 0; k < 4; k++) ready = (*sums[k] = malloc(n * sizeof(double))) != NULL && ready;
+    for (size_t k = 0; k < COUNT_OF(sums); k++) ready = (*sums[k] = malloc(n * sizeof(double))) != NULL && ready;
     return ready && list_lights(cells);
 }
 

@@ -22,13 +22,16 @@ typedef struct Looks {
     uint32_t *things[BRIGHT_THINGS];
     float *shares[BRIGHT_THINGS]; /* of its samples, those that saw each, times its reflectance; 0: none */
     float *plain;                 /* its light, see bright_light, without the samples that have few like them there */
-    float *around;                /* the mean of that around it */
-    float *colors[3];             /* the mean of all light around it, in each channel; */
-    float *lit;                   /* what is plain, over its reflectance: how much light there is; */
+    float
+        *plain_root;  /* the fourth root of that: the fourth power of its mean is hardly raised by few bright pixels; */
+    float *around;    /* the mean of what is plain around it */
+    float *colors[3]; /* the mean of all light around it, in each channel; */
+    float *lit;       /* what is plain, over its reflectance: how much light there is; */
     float *lit_around;            /* and the mean of that around it */
     float *brightest;             /* of its samples, as far as they are kept; */
     float (*lights)[BRIGHT_KEPT]; /* all of these, the brightest first, */
-    uint16_t *seen;               /* and what they saw, as bright_seen() has it */
+    uint16_t *seen;               /* and what they saw, as bright_seen() has it; */
+    uint8_t *few;                 /* a bit for each of them, from the lowest: few of its pixel's are like it */
 } Looks;
 
 /* Where a sample goes. */
@@ -134,10 +137,11 @@ static inline Square square_around(const Lone *lone, int radius)
 
 /* What is found around a sample: sums over the pixels of a disc, such that they grow with it. */
 typedef struct Around {
-    double weights, light;                         /* of weights, and by these of what pixels have without it */
-    double weights_by_distance, light_by_distance; /* the same, times the distance squared */
-    double middle[2], middle_by_distance[2];       /* weights times columns and rows from the sample, and times both */
-    uint32_t alike;                                /* comparable samples in the square */
+    double weights, shares,
+        light; /* of weights, of shares, and by these of the fourth root of what pixels have without it */
+    double weights_by_distance, shares_by_distance, light_by_distance; /* the same, times the distance squared */
+    double middle[2], middle_by_distance[2]; /* weights times columns and rows from the sample, and times both */
+    uint32_t alike;                          /* comparable samples in the square */
 } Around;
 
 /* Which of a pixel's things one is; BRIGHT_THINGS: none. */
