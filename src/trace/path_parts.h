@@ -74,6 +74,7 @@ typedef struct Path {
     bool cone_bent;  /* it has gone through a boundary, or off a mirror */
     bool straight;   /* media do not scatter it: it only looks what is there */
     bool looks;      /* for light that media scatter towards it */
+    bool is_photon;  /* it comes from a lamp, and looks for none */
     bool bent_apart; /* it has come to a boundary where each of its wavelengths would go on in another way, */
     bool again;      /* and this is the second path of its sample: see sample.c */
     float color;     /* of the wavelength by whose indices glass bends it, see guide_color; 0 where nobody asks */

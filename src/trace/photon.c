@@ -90,6 +90,7 @@ static Path begin_photon(Tracer *tracer, uint32_t seed, uint32_t number)
     Path path;
     path_init(&path, tracer, sampler_make(seed, PHOTON_PIXEL_X, PHOTON_PIXEL_Y, number));
     path.wavelengths = world_wavelengths(tracer->world, sampler_1d(&path.sampler, DIM_WAVELENGTH));
+    path.is_photon = true;
     path.ray.time = tracer->world->moves ? (double)sampler_1d(&path.sampler, DIM_TIME) : 0;
     return path;
 }

@@ -302,6 +302,7 @@ typedef struct BoundaryChoice {
 
 bool path_look_ahead(Path *path, const SurfacePlace *place, Lanes eta_i, float brightness[2])
 {
+    if (UNLIKELY(path->is_photon)) return false;
     Vec3f direction = path->ray.direction, normal = place->normal;
     float index = lanes_mean(eta_i) / lanes_mean(path_ior(path, WORLD_MEDIUM)), cosine = vec3f_dot(direction, normal);
     Vec3f along = vec3f_scale(vec3f_along(direction, -cosine, normal), index);
