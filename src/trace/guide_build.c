@@ -158,10 +158,25 @@ static float cell_area(const Photon *photons, uint32_t n)
     return float_max(size.x * size.y, float_max(size.y * size.z, size.z * size.x));
 }
 
+/* What lands in the cells before and behind one in the tree, which mostly are beside it. Of many lamps, or of many ways, few photons
+ * say too little of each. */
+static void look_near(const Builder *b, uint32_t i, GuidePhotons *photons)
+{
+    enum { NEAR_CELLS = 4 };
+    const uint32_t *begins = b->guide->begins, n = b->guide->n_cells;
+    uint32_t first = i > NEAR_CELLS ? i - NEAR_CELLS : 0, last = n - i > NEAR_CELLS ? i + NEAR_CELLS : n - 1;
+    photons->near[0].photons = b->photons + begins[first];
+    photons->near[0].n = begins[i] - begins[first];
+    photons->near[1].photons = b->photons + begins[i + 1];
+    photons->near[1].n = begins[last + 1] - begins[i + 1];
+    photons->near_part = last > first ? 1.0f / (float)(last - first) : 0;
+}
+
 /* Lobes of a cell, by what is known there and in cells near by, which the tree has near by, too. */
 static void fit_lobes(const Builder *b, uint32_t i, GuidePhotons *photons)
 {
     enum { FARTHEST_LENDER = 512 };
+    look_near(b, i, photons);
     GuideCell *cell = &b->guide->cells[i];
     uint32_t begin = b->knowns[i], end = b->knowns[i + 1], n_all = b->knowns[b->guide->n_cells];
     for (uint32_t k = begin; k < end; k++) photons->known[photons->n_known++].photon = &b->known[k];

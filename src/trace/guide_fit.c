@@ -87,8 +87,8 @@ static GuideLobe lobe_of_all(const Photon *photons, uint32_t n)
 
 /* What all photons of a cell say of a sheet. */
 typedef struct Sheet {
-    uint32_t first, end; /* of its lobes */
-    float flux;
+    uint32_t first, end;            /* of its lobes */
+    float flux, near_flux, n_near;  /* of the cell's photons; of a mean cell near by, and how many they are there */
     const Photon *photons[HELD_TO]; /* the first ones of it */
     uint32_t n;
 } Sheet;
@@ -132,7 +132,8 @@ static uint32_t sort_by_sheet(GuidePhotons *cell, Sheet *sheets)
         }
         Sheet *sheet = &sheets[n_sheets++];
         sheet->first = first, sheet->end = done;
-        sheet->flux = 0, sheet->n = 0;
+        sheet->flux = sheet->near_flux = sheet->n_near = 0;
+        sheet->n = 0;
     }
     return n_sheets;
 }
@@ -153,27 +154,59 @@ static uint32_t best_lobe_for(const GuidePhotons *cell, const GuideLobe *lobes, 
 
 /* ---- what others know ---- */
 
+static float flux_of(const Photon *photons, uint32_t n)
+{
+    float sum = 0;
+    for (uint32_t i = 0; i < n; i++) sum += photons[i].flux;
+    return sum;
+}
+
 /* Light of a sheet of which nothing is known in a cell. */
 typedef struct Unknown {
     const Photon *photon; /* the first one of it */
     GuideLobe lobe;
-    float flux;
+    float flux, n; /* of its photons, in sum, and how many they are */
+    bool own;      /* some landed in the cell */
 } Unknown;
 
-static uint32_t find_unknown(const GuidePhotons *cell, Unknown *unknown)
+/* Adds what n photons, each of which counts as `part`, say of it to n_unknown that are there; returns how many are then. */
+static uint32_t add_unknown(const GuidePhotons *cell, const GuideLobe *lobes, const Photon *photons, uint32_t n,
+                            float part, bool own, Unknown *unknown, uint32_t n_unknown)
 {
-    GuideLobe lobes[GUIDE_CELL_KNOWN];
-    uint32_t n_unknown = 0;
-    for (uint32_t i = 0; i < cell->n_known; i++) lobes[i] = lobe_of_photon(cell->known[i].photon, cell->origin);
-    for (const Photon *photon = cell->photons; photon < cell->photons + cell->n; photon++) {
+    for (const Photon *photon = photons; photon < photons + n; photon++) {
         if (best_lobe_for(cell, lobes, photon) < cell->n_known) continue;
         uint32_t k = 0;
         while (k < n_unknown && !is_foretold(photon, unknown[k].photon, &unknown[k].lobe, cell->origin)) k++;
         if (k == GUIDE_CELL_LENT) continue; /* so many parts that none is much */
-        if (k == n_unknown) unknown[n_unknown++] = (Unknown){photon, lobe_of_photon(photon, cell->origin), 0};
-        unknown[k].flux += photon->flux;
+        if (k == n_unknown)
+            unknown[n_unknown++] =
+                (Unknown){.photon = photon, .lobe = lobe_of_photon(photon, cell->origin), .own = own};
+        unknown[k].flux += part * photon->flux;
+        unknown[k].n += part;
     }
     return n_unknown;
+}
+
+/* Whether a sheet that nothing came by may be there all the same: there are so few photons that none of them is chance, and it would
+ * bring a part of the light that is worth a lobe. */
+static bool may_be_missed(const Unknown *unknown, float total)
+{
+    const float chance = 3, worth = 0.06f;
+    return unknown->n < chance && unknown->flux > worth * total;
+}
+
+static uint32_t find_unknown(const GuidePhotons *cell, Unknown *unknown)
+{
+    GuideLobe lobes[GUIDE_CELL_KNOWN];
+    for (uint32_t i = 0; i < cell->n_known; i++) lobes[i] = lobe_of_photon(cell->known[i].photon, cell->origin);
+    uint32_t n_all = add_unknown(cell, lobes, cell->photons, cell->n, 1, true, unknown, 0), n = 0;
+    for (int side = 0; side < 2; side++)
+        n_all = add_unknown(cell, lobes, cell->near[side].photons, cell->near[side].n, cell->near_part, false, unknown,
+                            n_all);
+    float total = flux_of(cell->photons, cell->n);
+    for (uint32_t i = 0; i < n_all; i++)
+        if (unknown[i].own || may_be_missed(&unknown[i], total)) unknown[n++] = unknown[i];
+    return n;
 }
 
 /* Makes those of n others that foretell a photon known, up to `most`, the nearest to the cell. */
@@ -203,7 +236,7 @@ void guide_borrow(GuidePhotons *cell, const Photon *others, uint32_t n)
     Unknown unknown[GUIDE_CELL_LENT];
     uint32_t n_unknown = find_unknown(cell, unknown), full = cell->n_known + GUIDE_CELL_LENT;
     for (; n_unknown > 0 && cell->n_known < full; n_unknown--) {
-        uint32_t left = full - cell->n_known, most = 0;
+        uint32_t left = (full - cell->n_known + n_unknown - 1) / n_unknown, most = 0; /* for each */
         for (uint32_t k = 1; k < n_unknown; k++)
             if (unknown[k].flux > unknown[most].flux) most = k;
         borrow_for(cell, unknown[most].photon, others, n, left < OF_EACH ? left : OF_EACH);
@@ -272,21 +305,51 @@ static float bend_by_photons(const GuidePhotons *cell, const GuideLobe *lobes, c
     return n > 0 ? 2 * bends[n / 3] : UNKNOWN / size;
 }
 
-/* Gives each photon to the sheet whose lobes foretell it best; returns the light that is of none. */
+/* The sheet whose lobes foretell a photon best; NULL: none does. */
+static Sheet *sheet_of(const GuidePhotons *cell, const GuideLobe *lobes, const Photon *photon, Sheet *sheets)
+{
+    uint32_t best = best_lobe_for(cell, lobes, photon);
+    if (best == cell->n_known) return NULL;
+    while (best >= sheets->end) sheets++;
+    return sheets;
+}
+
+/* Gives each photon to its sheet; returns the light that is of none. */
 static float deal_out(const GuidePhotons *cell, const GuideLobe *lobes, Sheet *sheets)
 {
     float lost = 0;
     for (const Photon *photon = cell->photons; photon < cell->photons + cell->n; photon++) {
-        uint32_t best = best_lobe_for(cell, lobes, photon), k = 0;
-        if (best == cell->n_known) {
+        Sheet *sheet = sheet_of(cell, lobes, photon, sheets);
+        if (!sheet) {
             lost += photon->flux;
             continue;
         }
-        while (best >= sheets[k].end) k++;
-        sheets[k].flux += photon->flux;
-        if (sheets[k].n < HELD_TO) sheets[k].photons[sheets[k].n++] = photon;
+        sheet->flux += photon->flux;
+        if (sheet->n < HELD_TO) sheet->photons[sheet->n++] = photon;
     }
     return lost;
+}
+
+/* Gives them those of cells near by, too, which say as well how good their lobes are. Of a sheet that none of the cell's tells of, the
+ * light is what of n photons in a mean cell near by may be missing by chance: n / (n + 1) of one of them, the mean of a gamma
+ * distribution. Returns the light of all sheets. */
+static float deal_out_near(const GuidePhotons *cell, const GuideLobe *lobes, Sheet *sheets, uint32_t n_sheets)
+{
+    float sum = 0;
+    for (int side = 0; side < 2; side++)
+        for (uint32_t i = 0; i < cell->near[side].n; i++) {
+            const Photon *photon = &cell->near[side].photons[i];
+            Sheet *sheet = sheet_of(cell, lobes, photon, sheets);
+            if (!sheet) continue;
+            sheet->near_flux += cell->near_part * photon->flux;
+            sheet->n_near += cell->near_part;
+            if (sheet->n < HELD_TO) sheet->photons[sheet->n++] = photon;
+        }
+    for (Sheet *sheet = sheets; sheet < sheets + n_sheets; sheet++) {
+        if (!(sheet->flux > 0)) sheet->flux = sheet->near_flux / (sheet->n_near + 1);
+        sum += sheet->flux;
+    }
+    return sum;
 }
 
 uint32_t guide_fit(GuidePhotons *cell, GuideLobe *lobes)
@@ -301,10 +364,10 @@ uint32_t guide_fit(GuidePhotons *cell, GuideLobe *lobes)
     }
     guide_lay_in_fours(lobes, n_known, fours);
     float lost = deal_out(cell, lobes, sheets);
-    for (uint32_t i = 0; i < cell->n; i++) total += cell->photons[i].flux;
-    float broad = BROAD + (1 - BROAD) * lost / total;
+    total = flux_of(cell->photons, cell->n);
+    float broad = BROAD + (1 - BROAD) * lost / total, of_sheets = deal_out_near(cell, lobes, sheets, n_sheets);
     for (const Sheet *sheet = sheets; sheet < sheets + n_sheets; sheet++) {
-        float weight = total > lost ? sheet->flux * (1 - broad) / (total - lost) : 0;
+        float weight = of_sheets > 0 ? sheet->flux * (1 - broad) / of_sheets : 0;
         sum += weight;
         for (uint32_t i = sheet->first; i < sheet->end; i++) {
             lobes[i].weight = weight;

@@ -317,6 +317,49 @@ static void borrowed(void **state)
     assert_true(of_much > 50 * before && of_much > 7 * of_little && of_little > .05f * of_much);
 }
 
+/* Light of many lamps: of one that no photon of the cell came from, while some of those near by did, so few that it may be chance, is known as
+ * they know it. What many of them tell of, and none here, is not here; what is little, is not worth it. */
+static void missed(void **state)
+{
+    (void)state;
+    enum { N = 20, NEAR = 80, CELLS = 8 };
+    static const struct {
+        uint32_t n_near;
+        float flux;
+        bool borrowed;
+    } cases[] = {{16, 1, true}, {80, 1, false}, {16, .2f, false}, {0, 1, false}};
+    const Vec3f here = vec3f(0, 1, 0), there = vec3f(.6f, .8f, 0);
+    for (size_t c = 0; c < COUNT_OF(cases); c++) {
+        Photon photons[N], near[NEAR];
+        for (uint32_t i = 0; i < N + cases[c].n_near; i++) {
+            Photon *photon = i < N ? &photons[i] : &near[i - N];
+            *photon = (Photon){.position = {i < N ? dice() : 1 + dice(), 0, dice()},
+                               .from = i < N ? here : there,
+                               .flux = i < N ? 1 : cases[c].flux,
+                               .spread = {1e-5f, 0, 1e-5f},
+                               .way = i < N,
+                               .number = i};
+        }
+        GuidePhotons cell = {.photons = photons,
+                             .n = N,
+                             .n_known = 1,
+                             .known = {{.photon = &photons[0]}},
+                             .origin = vec3f(.5f, 0, .5f),
+                             .near = {{near, cases[c].n_near / 2}, {near + cases[c].n_near / 2, cases[c].n_near / 2}},
+                             .near_part = 1.0f / CELLS};
+        guide_borrow(&cell, near, cases[c].n_near);
+        assert_true((cell.n_known > 1) == cases[c].borrowed);
+        GuideLobe lobes[GUIDE_CELL_LOBES];
+        GuideFour fours[GUIDE_CELL_FOURS];
+        uint32_t n = guide_fit(&cell, lobes);
+        guide_lay_in_fours(lobes, n, fours);
+        const GuidePlace place = {vec3f(0, 0, 0), 0};
+        float of_there = guide_lobes_pdf(fours, n, place, there), of_here = guide_lobes_pdf(fours, n, place, here);
+        assert_true(cases[c].borrowed ? of_there > .02f * of_here && of_there < .3f * of_here
+                                      : of_there < .001f * of_here);
+    }
+}
+
 /* Photons on floors and walls, that are level with each other there, are found again where they are: in cells whose lobes know of all
  * that came to them. */
 static void levels(void **state)
@@ -328,6 +371,7 @@ static void levels(void **state)
         photons[i] = random_photon();
         photons[i].lobe = 1;
         photons[i].radiance = 1;
+        photons[i].way = (uint32_t)i; /* none tells of another one's light */
         switch (i % 6) {
         case 0: photons[i].position.x = 0; break;
         case 1: photons[i].position.x = 1; break;
@@ -370,6 +414,32 @@ static void lit_clear(Lit *lit)
     photon_targets_clear(&lit->targets);
     world_clear(&lit->world);
     fixture_clear(&lit->scene);
+}
+
+/* Photons go through a boundary as often as light does: the glass around a lamp does not send them back because another lamp, or this
+ * one, is there. */
+static void bulbs(void **state)
+{
+    (void)state;
+    enum { N = 4000 };
+    Lit lit;
+    Error error;
+    uint64_t rays = 0;
+    int n_landed = 0;
+    lit_make(
+        &lit, FIXTURE_MEDIA
+        "for (i in 0..<3) { group { difference { interior = glass  sphere { radius = 15 }  sphere { radius = 14 } }\n"
+        "light { shape = sphere  radius = 2  radiance = 1000 }  translate(<100 * i, 0, 0>) } }\n"
+        "difference { box { from = <-900, -900, -900>  to = <900, 900, 900> }\n"
+        "box { from = <-899, -899, -899>  to = <899, 899, 899> } surface = surface { albedo = .5 } }\n"
+        "camera { from = <0, 10, 300>  to = <0, 0, 0> }\n");
+    Photon *photons = calloc(N, sizeof *photons);
+    assert_int_equal(photons_trace(&lit.source, 0, N, NULL, photons, &rays, &error), STATUS_OK);
+    for (int i = 0; i < N; i++) n_landed += photons[i].flux > 0;
+    printf("    of %d photons from lamps in bulbs, %d land beyond these\n", N, n_landed);
+    assert_true(n_landed > 0.8 * N);
+    free(photons);
+    lit_clear(&lit);
 }
 
 /* What lands behind a slab in the sun is what comes to it, less what is reflected. */
@@ -572,8 +642,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(densities), cmocka_unit_test(sheets),   cmocka_unit_test(folds),  cmocka_unit_test(doubts),
-        cmocka_unit_test(sides),     cmocka_unit_test(borrowed), cmocka_unit_test(levels), cmocka_unit_test(flux),
-        cmocka_unit_test(hues),      cmocka_unit_test(beams),    cmocka_unit_test(walks),
+        cmocka_unit_test(sides),     cmocka_unit_test(borrowed), cmocka_unit_test(missed), cmocka_unit_test(levels),
+        cmocka_unit_test(flux),      cmocka_unit_test(bulbs),    cmocka_unit_test(hues),   cmocka_unit_test(beams),
+        cmocka_unit_test(walks),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
