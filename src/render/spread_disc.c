@@ -12,6 +12,8 @@
  * colour than what is around, as dispersion makes them, the more by how much sooner a haze of that is seen. Without that a diamond
  * had clouds of violet and green. */
 enum { NEAR = 2, NEAR_ENOUGH = 20, FAR_ENOUGH = 256 };
+/* So many next to each other are something small, if there are few more in a disc of a larger radius than this. */
+enum { TOGETHER = 5, A_GOOD_WAY = 6 };
 /* Pixels around a sample, for what they have of comparable ones. */
 enum { BESIDE = 2 };
 /* What samples add to what is usual, spread, that is not seen; and what is a haze that is better than a dot. */
@@ -305,16 +307,31 @@ int spread_farthest(const Around *sums, int radius, double alone, Way *way)
     return radius;
 }
 
-/* How far a sample is spread, and what pixels get together. */
+/* Spreads a sample among those next to it. */
+static int stay_near(const Maps *maps, const Lone *lone, double own, Way *way)
+{
+    Around sums = {0};
+    double alone;
+    look_farther(maps, lone, -1, NEAR, UINT32_MAX, &sums);
+    (void)spread_ends(lone, &sums, NEAR, own, way, &alone);
+    return NEAR;
+}
+
+/* How far a sample is spread, and what pixels get together. Some that are next to each other, while there are hardly any more a good way
+ * around, are no chance, but something small and bright: the spot of a lens is so. */
 static int find_radius(const Maps *maps, const Lone *lone, Way *way)
 {
     Around sums = {0};
+    uint32_t near = 0;
     int radius = -1, most = spread_by_cells(&lone->box) ? SPREAD_NEAR : SPREAD_FARTHEST;
     double alone = 0, own = spread_own_weight(maps, lone);
     for (int next = 1; next <= most; next = spread_next_radius(next)) {
         look_farther(maps, lone, radius, next, spread_enough(lone, next), &sums);
         radius = next;
+        if (radius == NEAR) near = sums.alike;
         if (spread_ends(lone, &sums, radius, own, way, &alone)) return radius;
+        if (radius > A_GOOD_WAY && near >= TOGETHER && sums.alike < near + near / 2)
+            return stay_near(maps, lone, own, way);
     }
     way->far = most < SPREAD_FARTHEST;
     return way->far ? radius : spread_farthest(&sums, radius, alone, way);

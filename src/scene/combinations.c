@@ -20,7 +20,15 @@ typedef struct Measure {
     unsigned n_probes;
     uint32_t hull;
     double volume[LINE_DIRECTIONS * MEASURE_TASKS];
+    Box3 found[LINE_DIRECTIONS *
+               MEASURE_TASKS]; /* around what lines found of it, and as far as these are from each other */
 } Measure;
+
+static Box3 add_around(Box3 box, const Line *line, double t, double margin)
+{
+    Vec3 place = vec3_along(line->start, t, vec3_from_f(line->direction)), more = vec3(margin, margin, margin);
+    return box3_union(box, (Box3){vec3_sub(place, more), vec3_add(place, more)});
+}
 
 static void task_of_measure(void *context, uint32_t number, unsigned worker)
 {
@@ -33,22 +41,33 @@ static void task_of_measure(void *context, uint32_t number, unsigned worker)
     uint32_t n = line_set_size(&set), part = number % MEASURE_TASKS;
     uint32_t begin = n * part / MEASURE_TASKS, end = n * (part + 1) / MEASURE_TASKS;
     double volume = 0;
+    Box3 found = box3_empty();
     line_set_skip(&set, begin);
     for (uint32_t i = begin; i < end && line_set_next(&set, &line); i++) {
         probe_surfaces(probe, measure->compiled, &line, SCENE_NONE);
         probe_intervals(probe, measure->compiled, &line);
-        for (uint32_t k = probe->first[measure->hull]; k != INTERVAL_NONE; k = probe->intervals[k].next)
-            volume += line.area * (probe->intervals[k].end - probe->intervals[k].begin) / LINE_DIRECTIONS;
+        double apart = sqrt(line.area);
+        for (uint32_t k = probe->first[measure->hull]; k != INTERVAL_NONE; k = probe->intervals[k].next) {
+            double enter = probe->intervals[k].begin, leave = probe->intervals[k].end;
+            volume += line.area * (leave - enter) / LINE_DIRECTIONS;
+            found = add_around(add_around(found, &line, enter, apart), &line, leave, apart);
+        }
     }
     measure->volume[number] = volume;
+    measure->found[number] = found;
 }
 
-static double measure_combination(Measure *measure, Pool *pool, uint32_t hull)
+static double measure_combination(Measure *measure, Pool *pool, uint32_t hull, Box3 *bounds)
 {
     double volume = 0;
+    Box3 found = box3_empty();
     measure->hull = hull;
     pool_run(pool, COUNT_OF(measure->volume), task_of_measure, measure);
-    for (size_t i = 0; i < COUNT_OF(measure->volume); i++) volume += measure->volume[i];
+    for (size_t i = 0; i < COUNT_OF(measure->volume); i++) {
+        volume += measure->volume[i];
+        if (!box3_is_empty(measure->found[i])) found = box3_union(found, measure->found[i]);
+    }
+    if (!box3_is_empty(found)) *bounds = box3_intersection(*bounds, found);
     return volume;
 }
 
@@ -101,7 +120,7 @@ Status combinations_measure(CompiledScene *compiled, Pool *pool, Error *error)
         uint32_t first = scene->operands[scene->parts[scene->trees[t].root].begin];
         double scale = fabs(affine_determinant(&scene->objects[first].to_world));
         double volume = mesh == SCENE_NONE ? 0 : of_mesh[mesh] * scale;
-        if (!(volume > 0)) volume = measure_combination(&measure, pool, hull);
+        if (!(volume > 0)) volume = measure_combination(&measure, pool, hull, &compiled->found_bounds[hull]);
         if (mesh != SCENE_NONE) of_mesh[mesh] = volume / scale;
         compiled->hulls[hull].volume = volume;
     }

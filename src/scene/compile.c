@@ -20,7 +20,9 @@ static Status number_hulls(CompiledScene *compiled, Error *error)
     compiled->object_of_hull = malloc(n * sizeof *compiled->object_of_hull);
     compiled->hulls = malloc(n * sizeof *compiled->hulls);
     compiled->hull_bounds = malloc(n * sizeof *compiled->hull_bounds);
-    if (!compiled->hull_of_object || !compiled->object_of_hull || !compiled->hulls || !compiled->hull_bounds)
+    compiled->found_bounds = malloc(n * sizeof *compiled->found_bounds);
+    if (!compiled->hull_of_object || !compiled->object_of_hull || !compiled->hulls || !compiled->hull_bounds ||
+        !compiled->found_bounds)
         return fail_memory(error, n * sizeof *compiled->hull_bounds, "the hulls");
     SceneShapeBox known = {0};
     for (uint32_t i = 0; i < scene->n_objects; i++) {
@@ -217,6 +219,7 @@ static Status compile(CompiledScene *compiled, NestPolicy policy, Pool *pool, Di
     TRY(number_operands(compiled, error));
     TRY(build_geometry(compiled, pool, error));
     TRY(find_unbounded(compiled, error));
+    memcpy(compiled->found_bounds, compiled->hull_bounds, compiled->n_hulls * sizeof *compiled->found_bounds);
     if (compiled->csg.n_trees) TRY(combinations_measure(compiled, pool, error));
     if (compiled->csg.n_trees && diag) TRY(combinations_report_empty(compiled, diag, error));
     TRY(relations_find(compiled, pool, &compiled->pairs, &compiled->n_pairs, &compiled->meetings, &compiled->n_meetings,
@@ -263,6 +266,7 @@ void compiled_scene_free(CompiledScene *compiled)
     free(compiled->object_of_hull);
     free(compiled->hulls);
     free(compiled->hull_bounds);
+    free(compiled->found_bounds);
     free(compiled->unbounded);
     free(compiled->planes);
     free(compiled->pairs);

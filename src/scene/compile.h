@@ -44,6 +44,7 @@ typedef struct CompiledScene {
     NestHull *hulls;
     uint32_t n_hulls;
     Box3 *hull_bounds; /* in the world; of hulls without end the part in which anything else is */
+    Box3 *found_bounds; /* the same; but of combinations around what lines found of them: nearly all, by chance */
     bool *unbounded;   /* of hulls and operands: reach to infinity */
     uint32_t *planes;  /* objects that are half of space */
     uint32_t n_planes;

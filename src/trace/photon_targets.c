@@ -37,7 +37,7 @@ static bool target_of(const World *world, uint32_t number, Box3 *box)
     uint32_t hull = compiled->hull_of_object[number];
     if (object->medium != SCENE_NONE) {
         if (hull == SCENE_NONE || hull >= compiled->n_hulls || !bends(world, object->medium)) return false;
-        *box = compiled->hull_bounds[hull];
+        *box = compiled->found_bounds[hull];
     } else {
         if (!mirrors(world, object)) return false;
         *box = scene_object_bounds(world->scene, object, NULL);

@@ -678,6 +678,38 @@ static void lamps_stay_where_they_are(void **state)
     }
 }
 
+/* The spot of a lens, two pixels wide, that few of each pixel's samples find: it stays there, though each pixel has fewer than would
+ * keep them. As many that are scattered go far. */
+static void spots_stay_together(void **state)
+{
+    (void)state;
+    for (int scattered = 0; scattered < 2; scattered++) {
+        Error error;
+        Films films;
+        double beside = 0, all = 0;
+        assert_int_equal(film_init(&films.film, LARGE, LARGE, &error), STATUS_OK);
+        assert_int_equal(bright_film_init(&films.bright, false, LARGE, LARGE, &error), STATUS_OK);
+        for (uint32_t at = 0; at < LARGE * LARGE; at++)
+            for (uint32_t i = 0; i < 3 * SAMPLES_OF_LARGE; i++) {
+                uint32_t x = at % LARGE, y = at / LARGE, u = x - LARGE / 2 + 20, v = y - LARGE / 2 + 20;
+                bool found = scattered ? u < 40 && v < 40 && u % 10 == 3 && v % 10 == 3 && i == 5
+                                       : (u == 20 || u == 21) && (v == 20 || v == 21) && i % 12 == 5;
+                float light = found ? 900 : 0.1f;
+                add(&films, x, y, (float[]){light, light, light}, 1);
+            }
+        resolve_large(&films);
+        assert_int_equal(films.way.samples, 16);
+        for (uint32_t at = 0; at < LARGE * LARGE; at++) {
+            uint32_t x = at % LARGE, y = at / LARGE;
+            double light = (double)films.spread.pixels[5 * (size_t)at] - 0.1;
+            all += light;
+            if (abs((int)x - LARGE / 2) <= 4 && abs((int)y - LARGE / 2) <= 4) beside += light;
+        }
+        assert_true(scattered ? beside < 0.1 * all : beside > 0.95 * all);
+        end(&films);
+    }
+}
+
 /* Where all is lit by one colour, a sample of that colour goes as far as a grey one does in grey. */
 static void what_all_is_lit_by_is_no_tint(void **state)
 {
@@ -885,6 +917,7 @@ int main(void)
         cmocka_unit_test(what_is_reflected_counts),
         cmocka_unit_test(what_comes_gets_the_colour_there),
         cmocka_unit_test(lamps_stay_where_they_are),
+        cmocka_unit_test(spots_stay_together),
         cmocka_unit_test(what_all_is_lit_by_is_no_tint),
         cmocka_unit_test(much_goes_far),
         cmocka_unit_test(order_and_area),
