@@ -54,11 +54,6 @@ typedef struct ReflectedColor {
 } ReflectedColor;
 void reflected_color_init(ReflectedColor *color);
 
-/* Of light that came to a surface what went on from there: in the mean over wavelengths, and what is left of white. */
-typedef struct Reflected {
-    float mean, rgb[3];
-} Reflected;
-
 /* luminance of linear Rec.709 */
 static inline float color_luminance(const float rgb[3])
 {

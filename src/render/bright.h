@@ -7,9 +7,9 @@
 
 #include <math.h>
 
-#include "optics/color.h"
 #include "render/film.h"
 #include "render/tally.h"
+#include "trace/path.h"
 
 enum { BRIGHT_KEPT = 8, BRIGHT_THINGS = 3 };
 /* What is never apart: nothing at all, and lights, which are seen as they are. */

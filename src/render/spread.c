@@ -22,10 +22,10 @@ enum { HOLE_RANK = 3 };
 enum { BAND = 16 };
 
 /* Of what comes to pixels in each channel, the part that is to be added so that as much comes as goes. */
-typedef struct Balance {
+typedef struct Settlement {
     const Maps *maps;
     double missing[3];
-} Balance;
+} Settlement;
 
 /* The pixel's samples of its seen-th thing that are as bright, as far as they are kept. */
 static uint32_t count_comparable(const BrightPixel *pixel, uint32_t seen, float least)
@@ -198,7 +198,7 @@ static void go_way(const Maps *maps, uint32_t y, const Way *way, uint32_t y0, ui
     Square square = square_around(&lone, way->radius);
     for (uint32_t v = square.y0 > y0 ? square.y0 : y0; v < square.y1 && v < y1; v++) {
         double weights[2 * SPREAD_FARTHEST + 1];
-        Span span = spread_weights_of_row(maps, &lone, way, v, weights);
+        Columns span = spread_weights_of_row(maps, &lone, way, v, weights);
         SpreadPixel *to = &maps->pixels[place_in(maps->area, span.x0, v)];
         for (uint32_t i = 0; i < span.x1 - span.x0; i++, to++) {
             double part = weights[i] / way->weights;
@@ -260,7 +260,7 @@ static void take(const Maps *maps, uint32_t y, const Way *way)
  * is made up for by all that comes. */
 static void balance_row(void *context, uint32_t index, unsigned worker)
 {
-    const Balance *balance = context;
+    const Settlement *balance = context;
     const Maps *maps = balance->maps;
     const Row *row = &maps->rows[index];
     SpreadPixel *pixels = &maps->pixels[(size_t)index * maps->width];
@@ -273,7 +273,7 @@ static void balance_row(void *context, uint32_t index, unsigned worker)
 
 static void settle_colors(Maps *maps)
 {
-    Balance balance = {.maps = maps};
+    Settlement balance = {.maps = maps};
     double size[3] = {0};
     pool_run(maps->pool, maps->height, tint_row, maps);
     for (uint32_t y = 0; y < maps->height; y++)

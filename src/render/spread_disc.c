@@ -99,7 +99,7 @@ static uint32_t count_alike(const Maps *maps, const Lone *lone, size_t pixel)
 }
 
 /* The same of pixels of a row, until they are enough; few: of those that have few alike in their pixel. */
-static uint32_t count_alike_of(const Maps *maps, const Lone *lone, const Span *span, uint32_t y, bool few,
+static uint32_t count_alike_of(const Maps *maps, const Lone *lone, const Columns *span, uint32_t y, bool few,
                                uint32_t enough)
 {
     size_t pixel = place_in(maps->area, span->x0, y);
@@ -130,7 +130,7 @@ static double tint_of(const Maps *maps, const Lone *lone)
 static double usual_beside(const Maps *maps, const Lone *lone)
 {
     Square square = square_around(lone, BESIDE);
-    Span span = {square.x0, square.x1};
+    Columns span = {square.x0, square.x1};
     uint32_t alike = 0, pixels = (square.x1 - square.x0) * (square.y1 - square.y0);
     for (uint32_t y = square.y0; y < square.y1; y++) alike += count_alike_of(maps, lone, &span, y, false, UINT32_MAX);
     return alike > 1 ? lone->light * (alike - 1) / (pixels - 1) : 0;
@@ -176,16 +176,16 @@ static int half_width(int dy, int radius)
 }
 
 /* What of a row is within `outer` columns of a sample, and not within `inner`, on either side; inner -1: all on the first. */
-static void find_spans(const Square *square, const Lone *lone, int inner, int outer, Span spans[2])
+static void find_spans(const Square *square, const Lone *lone, int inner, int outer, Columns spans[2])
 {
     uint32_t x = lone->x, reach = (uint32_t)outer, done = (uint32_t)(inner + 1);
     uint32_t x0 = x > square->x0 + reach ? x - reach : square->x0;
     uint32_t x1 = square->x1 - x > reach ? x + reach + 1 : square->x1;
-    spans[0] = (Span){x0, inner < 0 ? x1 : x - x0 >= done ? x - done + 1 : x0};
-    spans[1] = (Span){inner >= 0 && x1 - x > done ? x + done : x1, x1};
+    spans[0] = (Columns){x0, inner < 0 ? x1 : x - x0 >= done ? x - done + 1 : x0};
+    spans[1] = (Columns){inner >= 0 && x1 - x > done ? x + done : x1, x1};
 }
 
-static void sum_span(const Maps *maps, const Lone *lone, const Span *span, uint32_t y, Around *sums)
+static void sum_span(const Maps *maps, const Lone *lone, const Columns *span, uint32_t y, Around *sums)
 {
     double weights[2 * SPREAD_FARTHEST + 1], shares[2 * SPREAD_FARTHEST + 1], dy = (double)y - lone->y;
     if (span->x0 >= span->x1) return;
@@ -227,7 +227,7 @@ static void look_farther(const Maps *maps, const Lone *lone, int inner, int oute
     if (counted < 0) sums->alike = 0;
     for (uint32_t y = square.y0; y < square.y1; y++) {
         int dy = abs((int)y - (int)lone->y);
-        Span discs[2], squares[2];
+        Columns discs[2], squares[2];
         find_spans(&square, lone, half_width(dy, inner), half_width(dy, outer), discs);
         find_spans(&square, lone, dy > counted ? -1 : counted, outer, squares);
         for (int side = 0; side < 2; side++) {
@@ -376,10 +376,10 @@ static double crowd(const Maps *maps, const Lone *lone, const Way *way, uint32_t
     return (1 + way->crowding * count_alike(maps, lone, place_in(maps->area, x, y))) / (1 + way->crowding * expected);
 }
 
-Span spread_weights_of_row(const Maps *maps, const Lone *lone, const Way *way, uint32_t y, double *weights)
+Columns spread_weights_of_row(const Maps *maps, const Lone *lone, const Way *way, uint32_t y, double *weights)
 {
     Square square = square_around(lone, way->radius);
-    Span spans[2];
+    Columns spans[2];
     double dy = (double)y - lone->y;
     find_spans(&square, lone, -1, half_width(abs((int)y - (int)lone->y), way->radius), spans);
     uint32_t x0 = spans[0].x0, n = spans[0].x1 - x0;
@@ -416,7 +416,7 @@ void spread_find_way(const Maps *maps, const Lone *lone, Way *way)
     Square square = square_around(lone, radius);
     for (uint32_t y = square.y0; y < square.y1; y++) {
         double weights[2 * SPREAD_FARTHEST + 1];
-        Span span = spread_weights_of_row(maps, lone, way, y, weights);
+        Columns span = spread_weights_of_row(maps, lone, way, y, weights);
         for (uint32_t i = 0; i < span.x1 - span.x0; i++) way->weights += weights[i];
     }
 }

@@ -172,21 +172,21 @@ static double point_y(const Cells *cells, uint32_t row)
 }
 
 /* The cells of one axis whose points are within a reach of a place: counted from where the box begins. */
-static Span points_within(double place, double reach, uint32_t box_begins, uint32_t n)
+static Columns points_within(double place, double reach, uint32_t box_begins, uint32_t n)
 {
     double first = box_begins + (SIDE - 1) / 2.0;
     double from = ceil((place - reach - first) / SIDE), to = floor((place + reach - first) / SIDE) + 1;
-    return (Span){(uint32_t)fmin(fmax(from, 0), n), (uint32_t)fmin(fmax(to, 0), n)};
+    return (Columns){(uint32_t)fmin(fmax(from, 0), n), (uint32_t)fmin(fmax(to, 0), n)};
 }
 
 /* Cells of a row, to both sides of a sample: within the outer reach, and not within the inner; < 0: there is none. */
-static void find_columns(const Cells *cells, const Lone *lone, double inner, double outer, Span spans[2])
+static void find_columns(const Cells *cells, const Lone *lone, double inner, double outer, Columns spans[2])
 {
-    Span all = points_within(lone->x, outer, cells->box.x0, cells->width), within = {0, 0};
+    Columns all = points_within(lone->x, outer, cells->box.x0, cells->width), within = {0, 0};
     if (inner >= 0) within = points_within(lone->x, inner, cells->box.x0, cells->width);
     bool split = within.x0 < within.x1;
-    spans[0] = (Span){all.x0, split ? within.x0 : all.x1};
-    spans[1] = (Span){split ? within.x1 : all.x1, all.x1};
+    spans[0] = (Columns){all.x0, split ? within.x0 : all.x1};
+    spans[1] = (Columns){split ? within.x1 : all.x1, all.x1};
 }
 
 static double weight_of_cell(const Cells *cells, const Lone *lone, size_t cell)
@@ -194,7 +194,7 @@ static double weight_of_cell(const Cells *cells, const Lone *lone, size_t cell)
     return lone->black * cells->even[cell] + (1 - lone->black) * cells->usual[cell];
 }
 
-static void sum_cells(const Cells *cells, const Lone *lone, uint32_t row, Span span, Around *sums)
+static void sum_cells(const Cells *cells, const Lone *lone, uint32_t row, Columns span, Around *sums)
 {
     double dy = point_y(cells, row) - lone->y, dx = point_x(cells, span.x0) - lone->x;
     size_t cell = (size_t)row * cells->width + span.x0;
@@ -224,10 +224,10 @@ static double half_of_row(double dy, double reach)
 static void look_farther(const Cells *cells, const Lone *lone, double inner, double outer, uint32_t enough,
                          Around *sums)
 {
-    Span rows = points_within(lone->y, outer, cells->box.y0, cells->height);
+    Columns rows = points_within(lone->y, outer, cells->box.y0, cells->height);
     for (uint32_t row = rows.x0; row < rows.x1; row++) {
         double dy = point_y(cells, row) - lone->y;
-        Span discs[2], squares[2];
+        Columns discs[2], squares[2];
         find_columns(cells, lone, inner < 0 ? -1 : half_of_row(dy, inner), half_of_row(dy, outer), discs);
         find_columns(cells, lone, fabs(dy) > inner ? -1 : inner, outer, squares);
         for (int side = 0; side < 2; side++) {
@@ -246,23 +246,23 @@ static double nearness_of_point(const Way *way, double dx, double dy)
 }
 
 /* Cells of a row that a sample's disc holds. */
-static Span columns_of(const Cells *cells, const Lone *lone, const Way *way, uint32_t row)
+static Columns columns_of(const Cells *cells, const Lone *lone, const Way *way, uint32_t row)
 {
     double half = half_of_row(point_y(cells, row) - lone->y, way->radius + 0.5);
-    return half < 0 ? (Span){0, 0} : points_within(lone->x, half, cells->box.x0, cells->width);
+    return half < 0 ? (Columns){0, 0} : points_within(lone->x, half, cells->box.x0, cells->width);
 }
 
-static Span rows_of(const Cells *cells, const Lone *lone, const Way *way)
+static Columns rows_of(const Cells *cells, const Lone *lone, const Way *way)
 {
     return points_within(lone->y, way->radius + 0.5, cells->box.y0, cells->height);
 }
 
 static double weights_of_disc(const Cells *cells, const Lone *lone, const Way *way)
 {
-    Span rows = rows_of(cells, lone, way);
+    Columns rows = rows_of(cells, lone, way);
     double weights = 0;
     for (uint32_t row = rows.x0; row < rows.x1; row++) {
-        Span columns = columns_of(cells, lone, way, row);
+        Columns columns = columns_of(cells, lone, way, row);
         double dy = point_y(cells, row) - lone->y, dx = point_x(cells, columns.x0) - lone->x;
         for (uint32_t i = columns.x0; i < columns.x1; i++, dx += SIDE)
             weights += weight_of_cell(cells, lone, (size_t)row * cells->width + i) * nearness_of_point(way, dx, dy);
@@ -309,7 +309,7 @@ static void find_ways_of_chunk(void *context, uint32_t index, unsigned worker)
 
 static void give_to_row(const Cells *cells, const Lone *lone, const Way *way, uint32_t row)
 {
-    Span columns = columns_of(cells, lone, way, row);
+    Columns columns = columns_of(cells, lone, way, row);
     double dy = point_y(cells, row) - lone->y, dx = point_x(cells, columns.x0) - lone->x;
     double black = lone->black, rest = 1 - black, squared = spread_squared_luminance(lone->untinted);
     Gift *gift = &cells->gifts[(size_t)row * cells->width + columns.x0];
@@ -337,7 +337,7 @@ static void give_to_band(void *context, uint32_t index, unsigned worker)
         const Way *way = way_of(maps, sample);
         if (!(way->part > 0)) continue;
         Lone lone = spread_lone_on_way(maps, maps->area[1] + sample->row, way);
-        Span rows = rows_of(cells, &lone, way);
+        Columns rows = rows_of(cells, &lone, way);
         for (uint32_t row = rows.x0 > from ? rows.x0 : from; row < rows.x1 && row < to; row++)
             give_to_row(cells, &lone, way, row);
     }

@@ -117,9 +117,9 @@ typedef struct Lone {
 } Lone;
 
 /* Columns of a row of pixels: from x0 up to but without x1. */
-typedef struct Span {
+typedef struct Columns {
     uint32_t x0, x1;
-} Span;
+} Columns;
 
 /* A part of the thing's box: from x0, y0 up to but without x1, y1. */
 typedef struct Square {
@@ -208,7 +208,7 @@ void spread_find_way(const Maps *maps, const Lone *lone, Way *way);
 /* What of a sample in row y goes its way. */
 Lone spread_lone_on_way(const Maps *maps, uint32_t y, const Way *way);
 /* What pixels of a row, as far as the sample's disc holds them, get of it. weights: 2 * SPREAD_FARTHEST + 1 of them. */
-Span spread_weights_of_row(const Maps *maps, const Lone *lone, const Way *way, uint32_t y, double *weights);
+Columns spread_weights_of_row(const Maps *maps, const Lone *lone, const Way *way, uint32_t y, double *weights);
 
 /* ---- spread_far.c ---- */
 

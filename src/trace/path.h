@@ -71,6 +71,11 @@ typedef struct PixelSampler {
     SamplerStream place, wavelength;
 } PixelSampler;
 
+/* Of light that came to a surface what went on from there: in the mean over wavelengths, and what is left of white. */
+typedef struct Reflected {
+    float mean, rgb[3];
+} Reflected;
+
 /* What one thread needs; nothing is allocated per path but for lists that outgrow all before them. */
 typedef struct Tracer {
     _Alignas(MEMORY_APART) const World *world;

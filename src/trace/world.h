@@ -4,7 +4,7 @@
 #ifndef MEN_WORLD_H
 #define MEN_WORLD_H
 
-#include "optics/lines.h"
+#include "optics/spectral_lines.h"
 #include "optics/portal.h"
 #include "scene/compile.h"
 #include "trace/balances.h"

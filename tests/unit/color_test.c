@@ -7,7 +7,7 @@
 #include "base/hash.h"
 #include "exact_color.h"
 #include "near.h"
-#include "optics/lines.h"
+#include "optics/spectral_lines.h"
 #include "optics/observer.h"
 
 static void observer_adds_up(void **unused)
