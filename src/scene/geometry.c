@@ -90,21 +90,27 @@ static Status model_ray(const Asked *asked, Vec3 from, Vec3 direction, ModelRay 
     return STATUS_OK;
 }
 
-/* Where the true ray meets the plane of a triangle that rtc's ray met. false: it is parallel to it. */
-static bool meet_triangle(const Mesh *mesh, uint32_t triangle, Vec3 origin, Vec3 direction, double *t, Vec3 *normal)
+/* Where the true ray meets the plane of a triangle that rtc's ray met, whose corners only rtc knows: it has them in an
+ * order of its own. false: it is parallel to it. */
+static bool meet_triangle(const RtcScene *rtc, const Hit *hit, const ModelRay *ray, double *t, Vec3 *normal)
 {
     Vec3 corner[3];
-    for (int i = 0; i < 3; i++) corner[i] = vec3_from_f(mesh->positions[mesh->triangles[triangle][i]]);
+    rtc_triangle(rtc, hit->object, hit->primitive, ray->ray.time, corner);
     *normal = vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0]));
-    double slope = vec3_dot(*normal, direction);
+    double slope = vec3_dot(*normal, ray->direction);
     if (slope == 0) return false;
-    *t = vec3_dot(*normal, vec3_sub(corner[0], origin)) / slope;
+    *t = vec3_dot(*normal, vec3_sub(corner[0], ray->origin)) / slope;
     return true;
 }
 
 /* The crossing with a piece next to that of rtc's ray, in the same sense. false: the true ray just misses it. */
-static bool meet_piece(const Piece *piece, bool entering, Vec3 origin, Vec3 direction, double *t, Vec3 *normal)
+static bool meet_piece(const Model *model, const Solid *solid, const Hit *hit, const ModelRay *ray, double *t,
+                       Vec3 *normal)
 {
+    const Affine *to_shape = &model->parts[hit->object].to_shape;
+    const Piece *piece = &solid->pieces[hit->primitive];
+    bool entering = hit->entering != hit->inside;
+    Vec3 origin = affine_point(to_shape, ray->origin), direction = affine_vector(to_shape, ray->direction);
     double rough = *t, roots[PIECE_MAX_ROOTS], best = HUGE_VAL;
     int n = piece_intersect(piece, origin, direction, 0, HUGE_VAL, roots);
     for (int i = 0; i < n; i++) {
@@ -112,7 +118,7 @@ static bool meet_piece(const Piece *piece, bool entering, Vec3 origin, Vec3 dire
         if ((vec3_dot(outward, direction) < 0) != entering || fabs(roots[i] - rough) >= best) continue;
         best = fabs(roots[i] - rough);
         *t = roots[i];
-        *normal = outward;
+        *normal = affine_normal(to_shape, outward);
     }
     return best < HUGE_VAL;
 }
@@ -122,25 +128,19 @@ static EvalHit true_hit(const Asked *asked, const ModelRay *ray, Vec3 from, Vec3
 {
     const Model *model = asked->model;
     const SceneShape *shape = &model->scene->shapes[model->scene->objects[hit->object].shape];
-    const Affine *to_shape = &model->parts[hit->object].to_shape;
-    Vec3 origin = affine_point(to_shape, ray->origin), along = affine_vector(to_shape, ray->direction);
     Vec3 normal = {0};
     double rough = hit->t / ray->length, t = rough;
-    bool met = shape->mesh ? meet_triangle(shape->mesh, hit->primitive, origin, along, &t, &normal)
-                           : meet_piece(&shape->solid->pieces[hit->primitive], hit->entering != hit->inside, origin,
-                                        along, &t, &normal);
+    bool met = shape->mesh ? meet_triangle(model->rtc, hit, ray, &t, &normal)
+                           : meet_piece(model, shape->solid, hit, ray, &t, &normal);
     if (hit->inside) normal = vec3_scale(normal, -1);
     /* at a silhouette the two rays part */
-    Vec3 in_model;
-    if (met && fabs(t - rough) <= 1e-4 * rough + 1e-6 * vec3_length(from)) {
-        in_model = affine_normal(to_shape, normal);
-    } else {
+    if (!met || !(fabs(t - rough) <= 1e-4 * rough + 1e-6 * vec3_length(from))) {
         t = rough;
-        in_model = vec3_from_f(hit->normal);
+        normal = vec3_from_f(hit->normal);
     }
-    in_model = vec3_normalize(affine_normal(&asked->to_model, in_model));
+    normal = vec3_normalize(affine_normal(&asked->to_model, normal));
     return (EvalHit){.point = vec3_along(from, t, direction),
-                     .normal = vec3_add(in_model, vec3(0, 0, 0)), /* no -0, which would be printed as such */
+                     .normal = vec3_add(normal, vec3(0, 0, 0)), /* no -0, which would be printed as such */
                      .distance = t};
 }
 

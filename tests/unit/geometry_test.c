@@ -171,6 +171,21 @@ static void combinations_answer_as_one(void **state)
           "assert(near(r, 2, 1e-9) or near(r, 1.5, 1e-9) or near(s.point.y, .5, 1e-9)) }");
 }
 
+/* The flat faces of a mesh are met where they are, and show where they face, in whatever order rays find them: a ball of
+ * triangles, mirrored and stretched too, whose faces look away from its middle. */
+static void faces_of_meshes_are_the_right_ones(void **state)
+{
+    (void)state;
+    HOLDS("let ball = superellipsoid { exponents = <1, 1> } let long = ball { scale(<-1, 1, 3>)  rotate(z, 20)  translate(y) } "
+          "for (i in 1..400) { let s = scatter(ball, i) "
+          "assert(length(s.point) > .998 and length(s.point) < 1 + 1e-6 and dot(s.normal, s.point) > .998) "
+          "let p = s.point let h = hit(ball, 4 * p, -p) assert(distance(h.point, p) < 1e-5) "
+          "assert(dot(h.normal, s.normal) > .995) "
+          "let q = scatter(long, i) assert(dot(q.normal, q.point - y) > .3) "
+          "let flat = hit(long, q.point + q.normal, -q.normal) "
+          "assert(distance(flat.point, q.point) < 1e-5 and dot(flat.normal, q.normal) > .9) }");
+}
+
 /* ---- refusals ---- */
 
 static void what_has_no_shape_is_refused(void **state)
@@ -261,6 +276,7 @@ int main(void)
         cmocka_unit_test(places_are_spread_by_area),
         cmocka_unit_test(directions_are_aligned),
         cmocka_unit_test(combinations_answer_as_one),
+        cmocka_unit_test(faces_of_meshes_are_the_right_ones),
         cmocka_unit_test(what_has_no_shape_is_refused),
         cmocka_unit_test(an_open_mesh_has_no_inside),
         cmocka_unit_test(mistakes_are_told_once),
