@@ -186,6 +186,7 @@ static Status build_model(Geometry *geometry, Model *model, Error *error)
                                   .only_shapes = true,
                                   .error = error}};
     task.node.transform = affine_identity();
+    task.builder.eval_options.arena = &scene->arena; /* for what functions are compiled to */
     uint32_t n_errors = diag->n_errors;
     const DiagChain *chain = diag->chain;
     bool done = arena_guard(&scene->arena, build_node, &task);

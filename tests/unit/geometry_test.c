@@ -186,6 +186,28 @@ static void faces_of_meshes_are_the_right_ones(void **state)
           "assert(distance(flat.point, q.point) < 1e-5 and dot(flat.normal, q.normal) > .9) }");
 }
 
+/* Bodies of functions: of points or of coordinates, by themselves, in groups and in combinations. */
+static void isosurfaces_answer_as_others(void **state)
+{
+    (void)state;
+    HOLDS("def f(p) = length(p) - .5 def g(x, y, z) = x * x + y * y + z * z - .25 "
+          "let ball = isosurface { function = f }  let other = isosurface { function = g } "
+          "let half = difference { ball { } box { from = <0, -2, -2>  to = <2, 2, 2> } } "
+          "let quarter = group { difference { half { } box { from = <-2, 0, -2>  to = <2, 2, 2> } } } "
+          "for (i in 0..4) { let b = [ball, other, ball { translate(<0, 0, 0>) }, group { ball { } }, half][i] "
+          "assert(near(bounds(b).max, .5 * <1, 1, 1>, .001) and near(bounds(b).min, -.5 * <1, 1, 1>, .001)) "
+          "assert(inside(b, <-.1, 0, 0>) and inside(b, <-.4, .2, 0>) and not inside(b, <-.4, .4, 0>)) "
+          "assert(inside(b, <.1, 0, 0>) == (i < 4)) "
+          "let h = hit(b, <-3, 0, 0>, x) assert(near(h.point, -.5 * x, .001) and near(h.normal, -x, .1)) "
+          "let all = hits(b, <-3, .01, .02>, x) assert(len(all) == 2) "
+          "assert(near(all[1].point, <(i < 4 ? .5 : 0), .01, .02>, .002)) "
+          "assert(near(volume(b), pi / 6 / (i < 4 ? 1 : 2), .003)) "
+          "for (k in 1..20) { let s = scatter(b, k).point assert(i == 4 or near(length(s), .5, .005)) } } "
+          "assert(near(volume(quarter), pi / 24, .002))");
+    REFUSED("def f(p) = 1 / (p.x - p.x) print(bounds(isosurface { function = f }))", D_BAD_NUMBER);
+    REFUSED("def f(p) = \"one\" print(volume(group { isosurface { function = f } }))", D_WRONG_TYPE);
+}
+
 /* ---- refusals ---- */
 
 static void what_has_no_shape_is_refused(void **state)
@@ -277,6 +299,7 @@ int main(void)
         cmocka_unit_test(directions_are_aligned),
         cmocka_unit_test(combinations_answer_as_one),
         cmocka_unit_test(faces_of_meshes_are_the_right_ones),
+        cmocka_unit_test(isosurfaces_answer_as_others),
         cmocka_unit_test(what_has_no_shape_is_refused),
         cmocka_unit_test(an_open_mesh_has_no_inside),
         cmocka_unit_test(mistakes_are_told_once),
