@@ -139,6 +139,62 @@ SCENE
 done
 end
 
+begin "std: every glass can be filled to any level between its lowest point and its rim"
+# the lowest point inside of each, and the rim
+set -- tumbler 11 92 highball 12 150 shot_glass 14 60 wine_glass 107 215 champagne_flute 80 230 cocktail_glass 107.649 172 \
+    coupe 98 148 beer_mug 13 125 carafe 6 240 bottle 6.6 300 bowl 9 85 vase 16 220 beaker 2 92 flask 2 130 test_tube 1 150
+{
+    printf 'meniscus 1.0 unit mm\nuse "std/glassware.mns" as g\nuse "std/media.mns" as m\n'
+    printf 'let parts = [.003, for (k in 1..59) k / 60, .9999]\n'
+    printf 'camera { from = <0, 0, 9000>  to = <0, 0, 0> }\nenvironment { }\n'
+    i=0
+    while [ $# -gt 0 ]; do
+        printf 'for (k in 0..60) { group { g.%s { drink = m.water  level = mix(%smm, %smm, parts[k]) } ' "$1" "$2" "$3"
+        printf 'translate(<250mm * (k %% 8 - 4), 400mm * (%d - 7), 250mm * (floor(k / 8) - 4)>) } }\n' "$i"
+        i=$((i + 1))
+        shift 3
+    done
+} > levels.mns
+run check levels.mns --werror
+exits 0
+empty err
+matches out '915 ×  drink '
+says_not out inside
+printf 'meniscus 1.0 unit cm\nuse "std/glassware.mns" as g\nuse "std/media.mns" as m\ng.%s { drink = m.water  level = %s }\n' \
+    cocktail_glass 107.6mm > low.mns
+run check low.mns
+exits 3
+says err "error: the level of 107.6 mm is not between the floor at 107.7 mm and the rim at 172 mm"
+printf 'meniscus 1.0 unit cm\nuse "std/glassware.mns" as g\nuse "std/media.mns" as m\ng.%s { drink = m.water  level = %s }\n' \
+    vase 22 > brim.mns
+run check brim.mns
+exits 3
+says err "error: the level of 220 mm is not between the floor at 16 mm and the rim at 220 mm"
+end
+
+begin "std: a drink is as much as its level says, in a shallow bowl and around a punt"
+cat > measured.mns << 'SCENE'
+meniscus 1.0 unit mm
+use "std/glassware.mns" as g
+use "std/media.mns" as m
+// a cone without a meniscus, one with it, and a ring around a cone
+let bowl = [<0, 0>, <100, 20>]
+let punt = [<0, 30>, <20, 0>, <40, 0>, <40, 60>]
+group { g.pour(bowl, 10, m.water, 0, 0) }
+group { g.pour(bowl, 10, m.water, 0)  translate(300 * x) }
+group { g.pour(punt, 15, m.water, 0, 0)  translate(600 * x) }
+group { g.pour(punt, 15, m.water, 0)  translate(900 * x) }
+camera { from = <0, 0, 9000>  to = <0, 0, 0> }
+environment { }
+SCENE
+run check measured.mns --werror
+exits 0
+matches out 'drink  *water  *26\.2 cm³'     # pi / 3 * 50² * 10
+matches out 'drink 2  *water  *26\.[2-4] cm³'
+matches out 'drink 3  *water  *64\.4 cm³'   # pi * (40² * 15 - (20² + 20 * 10 + 10²) / 3 * 15)
+matches out 'drink 4  *water  *6[45]\.[0-9] cm³'
+end
+
 begin "std: the texts are laid out, and every entry is explained"
 for file in "$root"/src/std/*.mns; do
     run fmt --check "$file"
@@ -204,7 +260,7 @@ says err "meniscus help std lists what the library has"
 printf 'meniscus 1.0 unit mm\nuse "std/glassware.mns" as g\nuse "std/media.mns" as m\ng.tumbler { drink = m.water  level = 500mm }\n' > high.mns
 run check high.mns
 exits 3
-matches err '^high\.mns:4:1: error: the level 500 is not between the floor at 11 and the rim at 92'
+matches err '^high\.mns:4:1: error: the level of 500 mm is not between the floor at 11 mm and the rim at 92 mm'
 matches err '^std/glassware\.mns:[0-9]+:[0-9]+: note: met here, in the standard library'
 says err "called from high.mns:4"
 end
