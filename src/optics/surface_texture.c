@@ -66,6 +66,7 @@ static void texture_between(const Texture *texture, double time, Texture *now)
 typedef struct LocalPlace {
     Vec3 p, normal;
     double footprint;
+    double unplaced; /* the footprint before the texture's place */
 } LocalPlace;
 
 static Vec3 shift_of_object(uint64_t identity, uint64_t seed, double vary)
@@ -78,8 +79,11 @@ static Vec3 shift_of_object(uint64_t identity, uint64_t seed, double vary)
 
 static LocalPlace local_place(const Texture *texture, const TexturePlace *place)
 {
-    LocalPlace local = texture->in_world ? (LocalPlace){place->world, place->world_normal, place->world_footprint}
-                                         : (LocalPlace){place->object, place->object_normal, place->footprint};
+    LocalPlace local =
+        texture->in_world
+            ? (LocalPlace){.p = place->world, .normal = place->world_normal, .unplaced = place->world_footprint}
+            : (LocalPlace){.p = place->object, .normal = place->object_normal, .unplaced = place->footprint};
+    local.footprint = local.unplaced;
     if (texture->vary > 0) local.p = vec3_add(local.p, shift_of_object(place->identity, texture->seed, texture->vary));
     if (texture->placed) {
         local.p = affine_point(&texture->to_pattern, local.p);
@@ -89,6 +93,14 @@ static LocalPlace local_place(const Texture *texture, const TexturePlace *place)
         local.footprint *= texture->shrink;
     }
     return local;
+}
+
+/* How wide the footprint is along a direction of unit length in the texture's coordinates: however the texture is stretched
+ * across that is no matter. */
+static double width_along(const Texture *texture, const LocalPlace *local, Vec3 direction)
+{
+    if (texture->placed) direction = affine_normal(&texture->to_pattern, direction);
+    return local->unplaced * vec3_length(direction);
 }
 
 static LocalPlace warped_place(const Texture *texture, const TexturePlace *place)
@@ -192,7 +204,7 @@ static TextureLook look_by_uv(const Texture *texture, const TexturePlace *place)
 }
 
 /* Seen from outside a side's picture is upright and not mirrored. */
-static int looks_of_box(const LocalPlace *local, TextureLook *looks, float *weights)
+static int looks_of_box(const Texture *texture, const LocalPlace *local, TextureLook *looks, float *weights)
 {
     /* sides whose part would be less than this are left out, so that most places need one look */
     const double least = 0.02;
@@ -211,7 +223,8 @@ static int looks_of_box(const LocalPlace *local, TextureLook *looks, float *weig
         if (!(part[i] > 0)) continue;
         looks[n].u = u[i];
         looks[n].v = v[i];
-        looks[n].width_u = looks[n].width_v = (float)local->footprint;
+        looks[n].width_u = (float)width_along(texture, local, i == 0 ? vec3(0, 0, 1) : vec3(1, 0, 0));
+        looks[n].width_v = (float)width_along(texture, local, i == 1 ? vec3(0, 0, 1) : vec3(0, 1, 0));
         weights[n++] = (float)(part[i] / sum);
     }
     return n;
@@ -223,13 +236,19 @@ static TextureLook look_around(const Texture *texture, const LocalPlace *local)
     Vec3 p = local->p;
     double r = sqrt(p.x * p.x + p.z * p.z), length = sphere ? vec3_length(p) : r;
     TextureLook look = {.u = r > 0 ? atan2(p.z, -p.x) / (2 * pi) / texture->turns + 0.5 : 0.5, .v = p.y};
-    double width_v = local->footprint;
+    /* eastwards, and towards the north pole */
+    Vec3 east = r > 0 ? vec3(-p.z / r, 0, p.x / r) : vec3(1, 0, 0), north = vec3(0, 1, 0);
+    double width_v;
     if (sphere) {
+        if (length > 0) north = vec3_scale(vec3_cross(p, east), 1 / length);
         look.v = length > 0 ? 0.5 + asin(fmin(fmax(p.y / length, -1), 1)) / pi : 0.5;
-        width_v = length > 0 ? local->footprint / (pi * length) : 1;
+        width_v = length > 0 ? width_along(texture, local, north) / (pi * length) : 1;
+    } else {
+        width_v = width_along(texture, local, north);
     }
+    double along = width_along(texture, local, east);
     /* half of the circle, beside the axis */
-    double width_u = r * pi > local->footprint ? local->footprint / (2 * pi * r) : 0.5;
+    double width_u = r * pi > along ? along / (2 * pi * r) : 0.5;
     look.width_u = (float)(width_u / texture->turns);
     look.width_v = (float)width_v;
     return look;
@@ -247,9 +266,12 @@ static int find_looks(const Texture *texture, const TexturePlace *place, Texture
     switch (texture->projection) {
     case PROJECTION_UV:
     case PROJECTION_PLANAR:
-        looks[0] = (TextureLook){local.p.x, local.p.y, (float)local.footprint, (float)local.footprint, texture->wrap};
+        looks[0] = (TextureLook){.u = local.p.x,
+                                 .v = local.p.y,
+                                 .width_u = (float)width_along(texture, &local, vec3(1, 0, 0)),
+                                 .width_v = (float)width_along(texture, &local, vec3(0, 1, 0))};
         break;
-    case PROJECTION_BOX: n = looks_of_box(&local, looks, weights); break;
+    case PROJECTION_BOX: n = looks_of_box(texture, &local, looks, weights); break;
     case PROJECTION_CYLINDRICAL:
     case PROJECTION_SPHERICAL: looks[0] = look_around(texture, &local); break;
     }

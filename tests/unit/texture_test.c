@@ -187,6 +187,43 @@ static void pictures_go_round(void **state)
     expect(ON("ground {", "projection = uv scale(4)"), "<3, 5, -3>", "<3, 0, -3>", GREEN);
 }
 
+/* How a picture is stretched along an axis that does not count is no matter to how sharp it is: here pictures of a
+ * thousandth of a unit, of which a look sees a hundredth. */
+static void pictures_are_as_sharp_as_they_are_wide(void **state)
+{
+    (void)state;
+#define TALL "scale(<.001, .001, 1e-9>) translate(<-.0005, -.0005, 0>)"
+#define LOW "scale(<.001, 1e-9, .001>) translate(<-.0005, 0, .0005>)"
+    static const char *const fronts[] = {
+        ON("box { size = <2, 2, 2>", "projection = planar wrap = clamp " TALL),
+        ON("box { size = <2, 2, 2>", "projection = planar space = world wrap = clamp " TALL),
+        ON("box { size = <2, 2, 2>", "projection = box wrap = clamp " TALL),
+    };
+    for (size_t i = 0; i < COUNT_OF(fronts); i++) {
+        expect(fronts[i], "<-.00025, .00025, 9>", "<-.00025, .00025, 1>", RED);
+        expect(fronts[i], "<.00025, .00025, 9>", "<.00025, .00025, 1>", GREEN);
+        expect(fronts[i], "<-.00025, -.00025, 9>", "<-.00025, -.00025, 1>", BLUE);
+        expect(fronts[i], "<.00025, -.00025, 9>", "<.00025, -.00025, 1>", WHITE);
+    }
+    static const char *const top = ON("box { size = <2, 2, 2>", "projection = box wrap = clamp " LOW);
+    expect(top, "<-.00025, 9, -.00025>", "<-.00025, 1, -.00025>", RED);
+    expect(top, "<.00025, 9, .00025>", "<.00025, 1, .00025>", WHITE);
+    /* around: a height of a billion of the radius is one that no look sees a part of */
+    static const char *const around =
+        ON("cylinder { from = <0, -2, 0> to = <0, 2, 0> radius = 2", "projection = cylindrical wrap = clamp %s");
+    static const char *const scales[] = {"scale(<1e-9, 4, 1e-9>) translate(<0, -2, 0>)",
+                                         "scale(<1, 4, 1>) translate(<0, -2, 0>)"};
+    for (size_t i = 0; i < COUNT_OF(scales); i++) {
+        char thing[400];
+        snprintf(thing, sizeof thing, around, scales[i]);
+        expect(thing, "<0, 1, 9>", "<0, 1, 0>", GREEN);
+        expect(thing, "<0, -1, -9>", "<0, -1, 0>", BLUE);
+    }
+    /* and one that is squeezed where it counts has its mean */
+    expect(ON("box { size = <2, 2, 2>", "projection = planar scale(<1e-7, 1, 1>)"), "<.1, .75, 9>", "<.1, .75, 1>", .3,
+           .3, .3);
+}
+
 /* A texture is in the frame that its object was described in, and goes where that goes. */
 static void textures_stay_on_objects(void **state)
 {
@@ -435,6 +472,7 @@ int main(void)
         cmocka_unit_test(pictures_are_upright),
         cmocka_unit_test(pictures_are_mirrored),
         cmocka_unit_test(pictures_go_round),
+        cmocka_unit_test(pictures_are_as_sharp_as_they_are_wide),
         cmocka_unit_test(textures_stay_on_objects),
         cmocka_unit_test(transforms_apply_in_order),
         cmocka_unit_test(values_mix),
