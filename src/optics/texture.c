@@ -376,14 +376,13 @@ Status environment_new_constant(const Spectrum *radiance, Environment **environm
 /* false when a pixel is too bright for its integral to be a float. */
 static bool fill_texels(Environment *environment, const float *rgb, double scale)
 {
-    const double brightest = 1e30;
     size_t n = (size_t)environment->width * environment->height;
     for (size_t i = 0; i < n; i++) {
         Texel *texel = &environment->texels[i];
         float scaled[3], largest = 0;
         for (int c = 0; c < 3; c++) {
             double value = scale * (double)rgb[3 * i + (size_t)c];
-            if (!(value < brightest)) return false;
+            if (!(value <= (double)ENVIRONMENT_BRIGHTEST)) return false;
             scaled[c] = (float)value;
             if (scaled[c] > largest) largest = scaled[c];
         }
@@ -516,7 +515,7 @@ Status environment_new_image(const float *rgb, unsigned width, unsigned height, 
     free(sums);
     if (!filled) {
         environment_free(made);
-        return fail(error, STATUS_INPUT, "an environment with a pixel of 1e30 or more");
+        return fail(error, STATUS_INPUT, "an environment with a pixel above %g", (double)ENVIRONMENT_BRIGHTEST);
     }
     *environment = made;
     return STATUS_OK;

@@ -9,10 +9,13 @@
 
 typedef struct Environment Environment;
 
+/* Beyond this radiance the products along a path could leave the range of float. */
+#define ENVIRONMENT_BRIGHTEST 1e30f
+
 /* rgb: width * height * 3 floats, linear Rec.709, row 0 at the top (direction +y), the middle column at
  * direction -z turned so that u = 0.5 + atan2(x, -z) / (2 pi); negative and non-finite values are the
  * caller's to refuse. The pixels are copied (upsampled to spectra). scale multiplies the radiance. STATUS_INPUT when
- * a side is 0 or above 131072, or when a pixel times scale is 1e30 or more; STATUS_NOMEM. */
+ * a side is 0 or above 131072, or when a pixel times scale is above ENVIRONMENT_BRIGHTEST; STATUS_NOMEM. */
 ATTR_NODISCARD Status environment_new_image(const float *rgb, unsigned width, unsigned height, double scale,
                                             Environment **environment, Error *error);
 /* From the scene towards the middle of a pixel of such an image; of length 1. */

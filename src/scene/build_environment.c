@@ -19,7 +19,7 @@ static bool check_pixels(Builder *b, Span span, const char *name, const float *r
 {
     size_t n = (size_t)width * height * 3;
     for (size_t i = 0; i < n; i++) {
-        if (rgb[i] >= 0 && rgb[i] <= 1e30f) continue;
+        if (rgb[i] >= 0 && rgb[i] <= ENVIRONMENT_BRIGHTEST) continue;
         diag_report(b->diag, D_IMAGE_INVALID, span, "'%s' cannot light a scene: the %s of pixel %zu,%zu is %g", name,
                     i % 3 == 0   ? "red"
                     : i % 3 == 1 ? "green"
@@ -30,14 +30,34 @@ static bool check_pixels(Builder *b, Span span, const char *name, const float *r
     return true;
 }
 
-static Status environment_from_pixels(Builder *b, const float *rgb, uint32_t width, uint32_t height, double strength,
-                                      Error *error)
+/* Whether pixels that are fine by themselves are so with the strength, too. */
+static bool check_strength(Builder *b, const EvalNode *node, const float *rgb, size_t n, double strength)
+{
+    float largest = 0;
+    for (size_t i = 0; i < n; i++) largest = rgb[i] > largest ? rgb[i] : largest;
+    double brightest = strength * (double)largest;
+    if (brightest <= (double)ENVIRONMENT_BRIGHTEST) return true;
+    diag_report(b->diag, D_VALUE_OUT_OF_RANGE, build_span(node, "strength"),
+                "with a strength of %g the brightest place has a radiance of %g, beyond what can be rendered, %g",
+                strength, brightest, (double)ENVIRONMENT_BRIGHTEST);
+    return false;
+}
+
+/* false after a report. */
+static bool environment_from_pixels(Builder *b, const EvalNode *node, Span span, const float *rgb, uint32_t width,
+                                    uint32_t height)
 {
     const uint32_t size[2] = {width, height};
+    double strength = eval_number(node, "strength");
+    if (!check_strength(b, node, rgb, (size_t)width * height * 3, strength)) return false;
     b->environment_hash = hash_bytes(size, sizeof size, b->environment_hash);
     b->environment_hash = hash_bulk(rgb, (size_t)width * height * 3 * sizeof *rgb, b->environment_hash);
     b->environment_hash = hash_bytes(&strength, sizeof strength, b->environment_hash);
-    return environment_new_image(rgb, width, height, strength, &b->scene->environment, error);
+    Error error;
+    Status status = environment_new_image(rgb, width, height, strength, &b->scene->environment, &error);
+    if (status != STATUS_INPUT) return build_succeeded(b, status, &error, span);
+    diag_report(b->diag, D_IMAGE_INVALID, span, "%s", error.text);
+    return false;
 }
 
 static void environment_from_image(Builder *b, const EvalNode *node, const EvalProp *image)
@@ -48,7 +68,6 @@ static void environment_from_image(Builder *b, const EvalNode *node, const EvalP
     float *rgb = NULL;
     uint32_t width = 0, height = 0;
     Error error;
-    double strength = eval_number(node, "strength");
     Status status = b->options->load_image ? b->options->load_image(b->options->load_image_context, path, NULL, &rgb,
                                                                     &width, &height, &error)
                                            : fail(&error, STATUS_INPUT, "images cannot be read here");
@@ -57,7 +76,7 @@ static void environment_from_image(Builder *b, const EvalNode *node, const EvalP
     } else if (status == STATUS_OK && (width == 0 || height == 0)) {
         diag_report(b->diag, D_IMAGE_INVALID, image->span, "'%s' has no pixels", path);
     } else if (status == STATUS_OK && check_pixels(b, image->span, path, rgb, width, height)) {
-        status = environment_from_pixels(b, rgb, width, height, strength, &error);
+        (void)environment_from_pixels(b, node, image->span, rgb, width, height);
     }
     free(rgb);
     if (status == STATUS_NOMEM) build_succeeded(b, status, &error, image->span);
@@ -110,7 +129,7 @@ static bool check_panorama(Builder *b, const Panorama *panorama, const EvalProp 
 {
     size_t n = (size_t)panorama->width * panorama->height * 3;
     for (size_t i = 0; i < n; i++) {
-        if (panorama->rgb[i] >= 0 && panorama->rgb[i] <= 1e30f) continue;
+        if (panorama->rgb[i] >= 0 && panorama->rgb[i] <= ENVIRONMENT_BRIGHTEST) continue;
         uint32_t x = (uint32_t)(i / 3 % panorama->width), y = (uint32_t)(i / 3 / panorama->width);
         double inputs[PROGRAM_INPUTS], outputs[PROGRAM_MOST_OUTPUTS];
         size_t n_errors = b->diag->n_errors;
@@ -135,17 +154,17 @@ static void environment_from_function(Builder *b, const EvalNode *node, const Ev
     Panorama panorama = {formula_compile(function->as.function, b->arena), width, (width + 1) / 2, NULL};
     if (!panorama.program) return;
     size_t n = (size_t)panorama.width * panorama.height * 3;
-    double strength = eval_number(node, "strength");
-    Error error;
-    Status status = STATUS_OK;
     panorama.rgb = malloc(n * sizeof *panorama.rgb);
-    if (!panorama.rgb) status = fail_memory(&error, n * sizeof *panorama.rgb, "an environment");
-    if (status == STATUS_OK) pool_run(b->options->pool, panorama.height, task_of_row, &panorama);
-    if (status == STATUS_OK && check_panorama(b, &panorama, function)) {
-        status = environment_from_pixels(b, panorama.rgb, panorama.width, panorama.height, strength, &error);
+    if (!panorama.rgb) {
+        Error error;
+        Status status = fail_memory(&error, n * sizeof *panorama.rgb, "an environment");
+        (void)build_succeeded(b, status, &error, function->span);
+        return;
     }
+    pool_run(b->options->pool, panorama.height, task_of_row, &panorama);
+    if (check_panorama(b, &panorama, function))
+        (void)environment_from_pixels(b, node, function->span, panorama.rgb, panorama.width, panorama.height);
     free(panorama.rgb);
-    if (status != STATUS_OK) (void)build_succeeded(b, status, &error, function->span);
 }
 
 /* The disc of the sun, of which `sun` is the irradiance. */

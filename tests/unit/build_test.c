@@ -425,17 +425,19 @@ static void wrong_lights_are_refused(void **state)
 /* ---- environment ---- */
 
 static float image_pixel;
+static uint32_t image_width = 4;
 
 static Status load_image(void *context, const char *path, const char *space, float **rgb, uint32_t *width,
                          uint32_t *height, Error *error)
 {
     (void)context, (void)path, (void)space, (void)error;
-    *rgb = malloc(24 * sizeof **rgb);
+    uint32_t rows = image_width > 4 ? 1 : 2, n = 3 * image_width * rows;
+    *rgb = malloc(n * sizeof **rgb);
     if (!*rgb) return STATUS_NOMEM;
-    for (int i = 0; i < 24; i++) (*rgb)[i] = 1;
+    for (uint32_t i = 0; i < n; i++) (*rgb)[i] = 1;
     (*rgb)[13] = image_pixel;
-    *width = 4;
-    *height = 2;
+    *width = image_width;
+    *height = rows;
     return STATUS_OK;
 }
 
@@ -471,6 +473,33 @@ static void environments_are_colours_or_images(void **state)
         assert_non_null(strstr(fixture_find(&f, D_IMAGE_INVALID)->text, "green of pixel 0,1"));
         fixture_clear(&f);
     }
+    /* the brightest that there may be, and what a strength makes of more */
+    const float bright[] = {1e30f, 1e-3f};
+    const char *const strengths[] = {"1", "1e30", "1.1", "1e31"};
+    for (size_t i = 0; i < COUNT_OF(strengths); i++) {
+        snprintf(text, sizeof text,
+                 "meniscus 1.0 unit mm environment { image = \"%s\" strength = %s } camera { from = <0, 0, 1> }", path,
+                 strengths[i]);
+        image_pixel = bright[i % 2];
+        fixture_build(&f, text, &options);
+        assert_int_equal(f.status, i < 2 ? STATUS_OK : STATUS_SCENE);
+        if (i >= 2) {
+            assert_int_equal(f.diag.n_errors, 1);
+            const Diagnostic *report = fixture_find(&f, D_VALUE_OUT_OF_RANGE);
+            assert_non_null(strstr(report->text, "beyond what can be rendered"));
+            assert_memory_equal(text + report->span.begin, strengths[i], strlen(strengths[i]));
+        }
+        fixture_clear(&f);
+    }
+    /* one that is too wide is not taken as black */
+    image_pixel = 1;
+    image_width = 1 << 18;
+    snprintf(text, sizeof text, "meniscus 1.0 unit mm environment { image = \"%s\" } camera { from = <0, 0, 1> }", path);
+    fixture_build(&f, text, &options);
+    assert_int_equal(f.status, STATUS_SCENE);
+    assert_non_null(strstr(fixture_find(&f, D_IMAGE_INVALID)->text, "262144 by 1 pixels"));
+    fixture_clear(&f);
+    image_width = 4;
     remove(path);
     const char *const refused[] = {"scale(2)", "scale(<-1, 1, 1>)", "color = 1 image = \"x.exr\"",
                                    "image = \"there-is-none.exr\""};
@@ -511,7 +540,7 @@ static void environments_are_functions(void **state)
     } refused[] = {{"function = low", D_VALUE_OUT_OF_RANGE},          {"function = nothing", D_VALUE_OUT_OF_RANGE},
                    {"function = good  color = 1", D_CONFLICTING_PROPERTIES}, {"function = good  sky = clear", D_CONFLICTING_PROPERTIES},
                    {"resolution = 64", D_CONFLICTING_PROPERTIES},     {"color = good", D_WRONG_TYPE},
-                   {"function = good  resolution = 8", D_VALUE_OUT_OF_RANGE}};
+                   {"function = good  resolution = 8", D_VALUE_OUT_OF_RANGE}, {"function = good  strength = 1e35", D_VALUE_OUT_OF_RANGE}};
     for (size_t i = 0; i < COUNT_OF(refused); i++) {
         char text[1000];
         snprintf(text, sizeof text,

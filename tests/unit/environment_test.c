@@ -322,6 +322,8 @@ static void black_bad_and_tiny_images(void **unused)
     environment_free(environment);
 
     assert_int_equal(environment_new_image(blinding, 1, 1, 10, &environment, &error), STATUS_INPUT);
+    assert_int_equal(environment_new_image(blinding, 1, 1, 1, &environment, &error), STATUS_OK);
+    environment_free(environment);
     assert_int_equal(environment_new_image(one, 0, 1, 1, &environment, &error), STATUS_INPUT);
     assert_int_equal(environment_new_image(one, 1, 1u << 20, 1, &environment, &error), STATUS_INPUT);
 
