@@ -10,14 +10,17 @@
 
 #include "base/json.h"
 
+/* A length takes two sums: of its lower bits, and of what is above those. So 2^31 samples of it can be added up. */
+enum { LENGTH_BITS = 31, LENGTH_SUMS = 2 };
+
 /* What is added up for each pixel. */
 enum {
     SUM_MET,
     SUM_ALBEDO,
     SUM_NORMAL = SUM_ALBEDO + 3,
     SUM_DISTANCE = SUM_NORMAL + 3,
-    SUM_POSITION,
-    SUM_UV = SUM_POSITION + 3,
+    SUM_POSITION = SUM_DISTANCE + LENGTH_SUMS,
+    SUM_UV = SUM_POSITION + 3 * LENGTH_SUMS,
     SUM_OBJECT = SUM_UV + 2,
     SUM_MEDIUM = SUM_OBJECT + 3,
     SUM_DEPTH = SUM_MEDIUM + 3,
@@ -105,7 +108,7 @@ static const char *material_name(const Scene *scene, uint32_t material)
 
 double aov_film_unit(const World *world)
 {
-    /* 2^-36 of the scene's size, so that 2^19 samples of up to 2^8 times that size can be added up */
+    /* 2^-36 of the scene's size, so that lengths of up to 2^26 times that size can be added up */
     Box3 box = box3_union(rtc_scene_bounds(world->compiled->rtc), scene_camera_bounds(world->scene, &world->camera));
     double size = fmax(fmax(vec3_max_abs(box.min), vec3_max_abs(box.max)), 1e-30);
     int exponent;
@@ -139,16 +142,30 @@ void aov_film_clear(AovFilm *film)
     *film = (AovFilm){0};
 }
 
-static int64_t whole(double value, double unit)
+static int64_t whole(double value, double unit, double largest)
 {
-    const double largest = 0x1p44;
     double units = value / unit;
     return isfinite(units) ? llrint(fmax(-largest, fmin(largest, units))) : 0;
 }
 
+static void add_length(int64_t sums[LENGTH_SUMS], double length, double unit)
+{
+    const int64_t radix = INT64_C(1) << LENGTH_BITS;
+    int64_t units = whole(length, unit, 0x1p62), low = units & (radix - 1);
+    sums[0] += low;
+    sums[1] += (units - low) / radix;
+}
+
+/* As film.c has it: one more sample does not overflow. */
+static int64_t held(int64_t sum)
+{
+    const int64_t largest = INT64_C(1) << 62;
+    return sum > largest ? largest : sum < -largest ? -largest : sum;
+}
+
 static void add_floats(int64_t *sums, const float *values, int n)
 {
-    for (int i = 0; i < n; i++) sums[i] += whole((double)values[i], FILM_UNIT);
+    for (int i = 0; i < n; i++) sums[i] = held(sums[i] + whole((double)values[i], FILM_UNIT, 0x1p44));
 }
 
 static void add_id(int64_t *sums, const char *name)
@@ -165,8 +182,8 @@ static void add_sight(AovFilm *film, int64_t *sums, const FirstSight *sight)
     const float normal[3] = {sight->normal.x, sight->normal.y, sight->normal.z};
     sums[SUM_MET]++;
     sums[SUM_DEPTH] += sight->n_hulls;
-    sums[SUM_DISTANCE] += whole(sight->distance, film->unit);
-    for (int i = 0; i < 3; i++) sums[SUM_POSITION + i] += whole(position[i], film->unit);
+    add_length(sums + SUM_DISTANCE, sight->distance, film->unit);
+    for (int i = 0; i < 3; i++) add_length(sums + SUM_POSITION + i * LENGTH_SUMS, position[i], film->unit);
     add_floats(sums + SUM_ALBEDO, sight->albedo, 3);
     add_floats(sums + SUM_NORMAL, normal, 3);
     add_floats(sums + SUM_UV, sight->uv, 2);
@@ -199,6 +216,11 @@ static int64_t *sums_at(const AovFilm *film, uint32_t x, uint32_t y)
     return film->sums + ((size_t)y * film->width + x) * AOV_SUMS;
 }
 
+size_t aov_film_pixel_size(void)
+{
+    return AOV_SUMS * sizeof(int64_t);
+}
+
 void aov_film_save_row(const AovFilm *film, uint32_t x0, uint32_t x1, uint32_t y, Buf *out)
 {
     if (!film->sums) return;
@@ -226,7 +248,7 @@ bool aov_film_join_row(AovFilm *film, uint32_t x0, uint32_t x1, uint32_t y, cons
     const int64_t *others = sums_at(next, x0, next_y);
     /* those of damaged files are not to overflow */
     for (size_t i = 0; i < (size_t)(x1 - x0) * AOV_SUMS; i++)
-        sums[i] = (int64_t)((uint64_t)sums[i] + (uint64_t)others[i]);
+        sums[i] = held((int64_t)((uint64_t)sums[i] + (uint64_t)others[i]));
     bool kept = true;
     for (size_t x = x0; kept && film->objects && x < x1; x++) {
         size_t to = (size_t)y * film->width + x, from = (size_t)next_y * next->width + x;
@@ -268,6 +290,15 @@ static float *put_means(const int64_t *sums, int n, double unit, double among, f
     return out;
 }
 
+static float *put_lengths(const int64_t *sums, int n, double unit, double among, float *out)
+{
+    for (int i = 0; i < n; i++, sums += LENGTH_SUMS) {
+        double sum = (double)sums[0] + ldexp((double)sums[1], LENGTH_BITS);
+        *out++ = among > 0 ? (float)(sum * unit / among) : 0;
+    }
+    return out;
+}
+
 /* The channels of one AOV of one pixel. */
 static float *put_aov(const AovFilm *aovs, const Film *film, size_t pixel, Aov aov, float *out)
 {
@@ -278,10 +309,10 @@ static float *put_aov(const AovFilm *aovs, const Film *film, size_t pixel, Aov a
     case AOV_ALBEDO: return put_means(sums + SUM_ALBEDO, 3, FILM_UNIT, n, out);
     case AOV_NORMAL: return put_means(sums + SUM_NORMAL, 3, FILM_UNIT, met, out);
     case AOV_DEPTH:
-        put_means(sums + SUM_DISTANCE, 1, aovs->unit, met, out);
+        put_lengths(sums + SUM_DISTANCE, 1, aovs->unit, met, out);
         if (met == 0) *out = nothing_met;
         return out + 1;
-    case AOV_POSITION: return put_means(sums + SUM_POSITION, 3, aovs->unit, met, out);
+    case AOV_POSITION: return put_lengths(sums + SUM_POSITION, 3, aovs->unit, met, out);
     case AOV_UV: return put_means(sums + SUM_UV, 2, FILM_UNIT, met, out);
     case AOV_OBJECT: return put_means(sums + SUM_OBJECT, 3, FILM_UNIT, n, out);
     case AOV_MEDIUM: return put_means(sums + SUM_MEDIUM, 3, FILM_UNIT, n, out);

@@ -41,6 +41,8 @@ void aov_film_add(AovFilm *film, uint32_t x, uint32_t y, const FirstSight *sight
 void aov_film_save_row(const AovFilm *film, uint32_t x0, uint32_t x1, uint32_t y, Buf *out);
 bool aov_film_load_row(AovFilm *film, uint32_t x0, uint32_t x1, uint32_t y, BufReader *in);
 bool aov_film_join_row(AovFilm *film, uint32_t x0, uint32_t x1, uint32_t y, const AovFilm *next, uint32_t next_y);
+/* Of a row's bytes, without what tallies add. */
+size_t aov_film_pixel_size(void);
 /* The whole picture: the film's channels, and these. spread, pool: see film_resolve. */
 ATTR_NODISCARD Status aov_film_resolve(const AovFilm *aovs, const Film *film, const Spread *spread, Pool *pool,
                                        Image *image, Error *error);

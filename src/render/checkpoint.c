@@ -23,7 +23,7 @@ typedef struct Footer {
 
 /* What the head begins with. Without gaps between members. */
 typedef struct Head {
-    uint32_t byte_order, head_size, film_pixel_size, bright_pixel_size;
+    uint32_t byte_order, head_size, film_pixel_size, bright_pixel_size, aov_pixel_size, none;
     uint32_t width, height, crop[4];
     uint32_t samples, first_sample, end_sample, guide_samples, least_samples, most_samples;
     uint32_t aovs, spreads, guides, wants, n_facts, n_attributes;
@@ -32,7 +32,7 @@ typedef struct Head {
     PathCounters counters;
     uint64_t saturated_samples;
 } Head;
-_Static_assert(sizeof(Head) == 24 * 4 + 16 + sizeof(PathCounters) + 8, "the head of a checkpoint as bytes");
+_Static_assert(sizeof(Head) == 26 * 4 + 16 + sizeof(PathCounters) + 8, "the head of a checkpoint as bytes");
 _Static_assert(AOV_COUNT <= 32, "a set of AOVs in the head of a checkpoint");
 
 /* ---- writing ---- */
@@ -98,6 +98,7 @@ static void add_head(const Writing *writing, Buf *out)
                  .head_size = sizeof head,
                  .film_pixel_size = sizeof(FilmPixel),
                  .bright_pixel_size = sizeof(BrightPixel),
+                 .aov_pixel_size = (uint32_t)aov_film_pixel_size(),
                  .width = state->film.width,
                  .height = state->film.height,
                  .samples = notes->samples,
@@ -320,7 +321,8 @@ static Status take_head(Checkpoint *file, uint64_t length, Error *error)
     CheckpointNotes *notes = &file->notes;
     if (!buf_take(&in, &head, sizeof head)) return fail_damaged(file, error);
     if (head.byte_order != BYTE_ORDER_MARK || head.head_size != sizeof head ||
-        head.film_pixel_size != sizeof(FilmPixel) || head.bright_pixel_size != sizeof(BrightPixel))
+        head.film_pixel_size != sizeof(FilmPixel) || head.bright_pixel_size != sizeof(BrightPixel) ||
+        head.aov_pixel_size != aov_film_pixel_size())
         return fail(
             error, STATUS_INPUT,
             "cannot read '%s': another version of meniscus, or one for another machine, wrote the state of the render",

@@ -117,6 +117,77 @@ static void pictures_stay_as_they_are(void **state)
     }
 }
 
+/* A ground that is seen kilometres away, beside a ball that is all that the scene's size comes from. */
+static void what_is_far_is_as_far_as_it_is(void **state)
+{
+    (void)state;
+    Fixture f;
+    Image image;
+    const double heights[] = {5, 5e6};
+    for (int i = 0; i < 2; i++) {
+        char text[500];
+        snprintf(text, sizeof text,
+                 "meniscus 1.0 unit m ground { y = %g surface = surface { } } sphere { surface = surface { } } "
+                 "camera { from = <0, 2, 4> to = <0, %.17g, -20000> up = y fov = .01 } environment { }",
+                 -heights[i] + 2, -heights[i] + 2);
+        render(text, ALL, 1, &f, &image);
+        double straight = hypot(20004, heights[i]), z = value(&image, SIDE / 2, SIDE / 2, "P.Z");
+        assert_true(fabs(z + 20000) < 4000);
+        assert_near(value(&image, SIDE / 2, SIDE / 2, "P.Y"), 2 - heights[i], 1e-6 * heights[i]);
+        assert_near(value(&image, SIDE / 2, SIDE / 2, "Z"), hypot(4 - z, heights[i]), .001 * straight);
+        image_clear(&image);
+        fixture_clear(&f);
+    }
+}
+
+/* However many samples there are, and however far off what they meet. */
+static void sums_do_not_overflow(void **state)
+{
+    (void)state;
+    Error error;
+    Film film;
+    AovFilm aovs, twin;
+    Image image;
+    World world = {0};
+    AovSet set = (AovSet)1 << AOV_DEPTH | (AovSet)1 << AOV_POSITION | (AovSet)1 << AOV_UV;
+    const double distances[] = {1, -1e-3, 3e6, 1e25};
+    for (size_t i = 0; i < COUNT_OF(distances); i++) {
+        double d = distances[i];
+        assert_int_equal(film_init(&film, 1, 1, &error), STATUS_OK);
+        assert_int_equal(aov_film_init(&aovs, set, false, 0x1p-36, 1, 1, &error), STATUS_OK);
+        assert_int_equal(aov_film_init(&twin, set, false, 0x1p-36, 1, 1, &error), STATUS_OK);
+        aovs.world = twin.world = &world;
+        FirstSight sight = {.met = true, .distance = d, .position = {-d, d, 3 * d}, .uv = {(float)d, -(float)d}};
+        PathCounters counters = {0};
+        enum { N = 100, DOUBLINGS = 20 };
+        for (int k = 0; k < N; k++) aov_film_add(&aovs, 0, 0, &sight, &counters, &counters);
+        for (int k = 0; k < DOUBLINGS; k++) {
+            Buf row = {0};
+            aov_film_save_row(&aovs, 0, 1, 0, &row);
+            BufReader in = {buf_text(&row), row.length};
+            assert_true(aov_film_load_row(&twin, 0, 1, 0, &in));
+            assert_true(aov_film_join_row(&aovs, 0, 1, 0, &twin, 0));
+            buf_clear(&row);
+        }
+        film.pixels[0].n = N << DOUBLINGS;
+        assert_int_equal(aov_film_resolve(&aovs, &film, NULL, NULL, &image, &error), STATUS_OK);
+        const struct {
+            const char *channel;
+            double value, largest;
+        } wanted[] = {{"Z", d, 0x1p26}, {"P.X", -d, 0x1p26}, {"P.Y", d, 0x1p26}, {"P.Z", 3 * d, 0x1p26}};
+        for (size_t k = 0; k < COUNT_OF(wanted); k++) {
+            int c = image_channel(&image, wanted[k].channel);
+            assert_true(c >= 0);
+            double value = copysign(fmin(fabs(wanted[k].value), wanted[k].largest), wanted[k].value);
+            assert_near((double)image.pixels[c] / value, 1, 2e-7);
+        }
+        image_clear(&image);
+        aov_film_clear(&aovs);
+        aov_film_clear(&twin);
+        film_clear(&film);
+    }
+}
+
 /* Where media scatter, what is met first is looked for by itself: that is no ray of the path, by which adaptive renders share samples out. */
 static void looks_are_not_counted(void **state)
 {
@@ -210,7 +281,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(channels_hold_what_they_say),   cmocka_unit_test(mattes_add_up),
-        cmocka_unit_test(pictures_stay_as_they_are),     cmocka_unit_test(looks_are_not_counted),
+        cmocka_unit_test(pictures_stay_as_they_are),     cmocka_unit_test(what_is_far_is_as_far_as_it_is),
+        cmocka_unit_test(sums_do_not_overflow),          cmocka_unit_test(looks_are_not_counted),
         cmocka_unit_test(what_parts_is_seen_once),       cmocka_unit_test(what_is_seen_first),
         cmocka_unit_test(names_are_hashed_as_others_do), cmocka_unit_test(scenes_name_them),
     };
