@@ -83,7 +83,7 @@ static void print_range(const PropType *type, Buf *out)
 
 void reference_print_type(const PropType *type, Buf *out)
 {
-    buf_add(out, kind_text(type->kind));
+    buf_add(out, type->kind == PROP_STRINGS && type->choices ? "one or a list of" : kind_text(type->kind));
     if (type->kind == PROP_NODE && type->choices && strchr("aeiou", type->choices[0])) buf_add(out, "n");
     if (type->choices) {
         buf_add(out, " ");

@@ -767,7 +767,8 @@ static bool check_value(const Check *check, const Value *value, EvalProp *prop)
     return check_node_list(check, value, prop);
 }
 
-/* A list that may hold bare words: those of the choices are strings, whatever else bears the name. */
+/* A list that may hold bare words: those of the choices are strings, whatever else bears the name. What is none of them,
+ * a name or in quotes, is reported in its place. */
 static bool words_to_strings(const Check *check, Expr *expr)
 {
     for (uint32_t i = 0; expr->kind == EXPR_LIST && i < expr->as.list.n; i++) {
@@ -775,7 +776,9 @@ static bool words_to_strings(const Check *check, Expr *expr)
         const char *word = word_of(item);
         Check of_item = {.evaluator = check->evaluator, .type = check->type, .expr = item};
         EvalProp prop = {0};
-        if (!word || (item->kind != EXPR_NAME && !choice_allows(check->type->choices, word))) continue;
+        bool is_variable = word && item->kind != EXPR_NAME;
+        if (!word) word = word_or_text(item);
+        if (!word || (is_variable && !choice_allows(check->type->choices, word))) continue;
         if (!check_choice(&of_item, word, &prop)) return false;
         item->kind = EXPR_CONSTANT;
         item->as.constant.value = value_text(word);

@@ -186,19 +186,12 @@ void build_camera(Builder *b, const EvalNode *node, const Affine *to_world)
     scene->cameras[scene->n_cameras++] = camera;
 }
 
+/* The names are those of the table: see nodes.def. */
 static void build_aovs(Builder *b, const EvalProp *aovs)
 {
     for (size_t i = 0; aovs && i < aovs->as.list.n; i++) {
         const char *name = aovs->as.list.texts[i];
-        Aov aov = aov_named(name, strlen(name));
-        if (aov < AOV_COUNT) {
-            b->scene->film.aovs |= (AovSet)1 << aov;
-            continue;
-        }
-        const char *names[AOV_COUNT];
-        for (Aov k = 0; k < AOV_COUNT; k++) names[k] = aov_name(k);
-        Diagnostic *report = diag_report(b->diag, D_UNKNOWN_CHOICE, aovs->span, "a picture can hold no '%s'", name);
-        diag_suggest(b->diag, report, name, names, AOV_COUNT);
+        b->scene->film.aovs |= (AovSet)1 << aov_named(name, strlen(name));
     }
 }
 

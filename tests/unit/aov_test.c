@@ -273,6 +273,19 @@ static void scenes_name_them(void **state)
     assert_int_equal(f.scene->film.aovs, 1U << AOV_NORMAL | 1U << AOV_DEPTH);
     fixture_clear(&f);
     fixture_refused(FIXTURE_MEDIA "film { aovs = [\"normals\"] }" FIXTURE_VIEW, D_UNKNOWN_CHOICE);
+    fixture_refused(FIXTURE_MEDIA "film { aovs = [\"\"] }" FIXTURE_VIEW, D_UNKNOWN_CHOICE);
+    fixture_good(&f, FIXTURE_MEDIA "film { aovs = uv }" FIXTURE_VIEW);
+    assert_int_equal(f.scene->film.aovs, 1U << AOV_UV);
+    fixture_clear(&f);
+    /* a scene can ask for all that there is */
+    Buf text = {0};
+    buf_add(&text, FIXTURE_MEDIA "film { aovs = [");
+    for (Aov aov = 0; aov < AOV_COUNT; aov++) buf_format(&text, "%s, ", aov_name(aov));
+    buf_format(&text, "\"%s\"] } %s", aov_name(0), FIXTURE_VIEW);
+    fixture_good(&f, buf_text(&text));
+    assert_int_equal(f.scene->film.aovs, ALL);
+    fixture_clear(&f);
+    buf_clear(&text);
     assert_int_equal(aov_named("depth", 5), AOV_DEPTH);
     assert_int_equal(aov_named("depth", 4), AOV_COUNT);
 }
