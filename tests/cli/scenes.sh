@@ -333,3 +333,19 @@ exits 0
 there egg.exr
 same_flat egg.mns
 end
+
+begin "scenes: the fog that is recommended is one"
+for wrong in 'environment { fog = .1 }' 'fog { density = .1 }'; do
+    printf 'meniscus 1.0 unit cm\n%s\n' "$wrong" > fog.mns
+    run check fog.mns
+    exits 3
+    {
+        echo 'meniscus 1.0 unit cm'
+        sed -n 's/.*hint: write: \(box .*\), around what is seen, with: \(medium .*\)/\2 \1/p' err
+        echo 'sphere { surface = surface { } } camera { from = <0, 0, 5>  to = <0, 0, 0> } environment { }'
+    } > right.mns
+    run check right.mns --werror
+    exits 0
+    matches out 'box .* fog'
+done
+end
