@@ -110,6 +110,7 @@ static Status merge(MergeRun *run, Error *error)
     for (size_t i = 0; i < options->n_operands; i++)
         if (strcmp(options->operands[i], "-") == 0)
             return fail(error, STATUS_USAGE, "'-': slices are read twice, and standard input only once; give files");
+    if (option_given(options, OPTION_OCIO)) TRY(color_source_open(&run->color, error));
     TRY(plan_outputs(run, error));
     TRY(merge_open(options->operands, options->n_operands, &run->merge, error));
     TRY(pool_new(options->values[OPTION_THREADS].whole[0], &run->pool, error));

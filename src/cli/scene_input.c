@@ -138,6 +138,8 @@ static Status check_folders(const Options *options, Error *error)
 static Status get_ready(SceneInput *input, Error *error)
 {
     TRY(check_folders(input->options, error));
+    /* a name that is wrong is told at once, not when a picture first needs the configuration */
+    if (option_given(input->options, OPTION_OCIO)) TRY(color_source_open(&input->color, error));
     if (!input->scene_options.moment.animation) TRY(frames_moment(input->options, &input->scene_options.moment, error));
     if (input->text || strcmp(input->path, "-") != 0) return STATUS_OK;
     return file_read("-", largest_text, &input->text, &input->text_length, error);

@@ -489,3 +489,16 @@ run render textured.mns -o a.exr -q
 exits 0
 no_leftovers
 end
+
+begin "a colour configuration that is not there is told at once, whether a picture needs it or not"
+small_scene
+run render small.mns -s 1 -o a.exr
+exits 0
+for command in "render small.mns -s 1 -o b.exr" "check small.mns" "params small.mns" "dump small.mns" "merge a.exr -o b.exr"; do
+    # shellcheck disable=SC2086
+    run $command --ocio nothing.ocio
+    exits 4
+    matches err "cannot read .*'nothing.ocio'"
+    gone b.exr
+done
+end
