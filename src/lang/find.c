@@ -16,36 +16,78 @@ typedef struct Search {
     Diag *diag;
     Span span;
     const char *name;
-    bool outside;      /* found, but not within the confinement */
+    bool outside;      /* where it would be is not within the confinement */
+    const char *skipped; /* a folder of -I or MENISCUS_PATH that is not; NULL: none */
     const char *other; /* found, but a folder, a pipe or a device: the last of them; NULL: none */
     FileKind kind;     /* of it */
 } Search;
 
-static bool is_within(const char *path, const char *folder)
+/* The path without "." and without "name/..", so that it leads to its place and nowhere else on the way. */
+static const char *direct_path(Arena *arena, const char *path)
 {
-    char *real_path = file_real_path(path), *real_folder = file_real_path(folder);
+    Buf direct = {0};
+    if (path[0] == '/') buf_add(&direct, "/");
+    size_t fixed = direct.length; /* the root, and what leads out of the current folder */
+    for (size_t length; *path; path += length) {
+        path += strspn(path, "/");
+        length = strcspn(path, "/");
+        bool up = length == 2 && strncmp(path, "..", 2) == 0;
+        if (length == 0 || (length == 1 && path[0] == '.') || (up && fixed == 1 && direct.length == 1)) continue;
+        if (up && direct.length > fixed) {
+            while (direct.length > fixed && direct.text[direct.length - 1] != '/') direct.length--;
+            if (direct.length > fixed) direct.length--;
+            continue;
+        }
+        if (direct.length > 0 && direct.text[direct.length - 1] != '/') buf_add(&direct, "/");
+        buf_add_bytes(&direct, path, length);
+        if (up) fixed = direct.length;
+    }
+    const char *text = arena_copy_text(arena, direct.length ? buf_text(&direct) : ".", direct.length ? direct.length : 1);
+    buf_clear(&direct);
+    return text;
+}
+
+/* Whether the folder holds the path, or would if it were there: of what is outside it must not show whether it exists. */
+static bool is_within(Arena *arena, const char *path, const char *folder)
+{
+    char *real_folder = file_real_path(folder), *real_path = NULL, *at = arena_copy_text(arena, path, strlen(path));
+    /* the nearest folder above that exists */
+    while (!(real_path = file_real_path(at))) {
+        char *slash = strrchr(at, '/');
+        if (slash == at ? at[1] == 0 : !slash && strcmp(at, ".") == 0) break;
+        if (slash)
+            slash[slash == at] = 0;
+        else
+            at = arena_copy_text(arena, ".", 1);
+    }
     bool within = false;
     if (real_path && real_folder) {
         size_t length = strlen(real_folder);
         if (length > 0 && real_folder[length - 1] == '/') length--; /* the root */
-        within = strncmp(real_path, real_folder, length) == 0 && real_path[length] == '/';
+        within = strncmp(real_path, real_folder, length) == 0 && (real_path[length] == '/' || real_path[length] == 0);
     }
     free(real_path);
     free(real_folder);
     return within;
 }
 
-/* folder/name when there is such a file that may be read; pipes and devices may never end, or never begin */
-static const char *try_folder(Search *search, const char *folder, size_t length)
+/* folder/name when there is such a file that may be read; pipes and devices may never end, or never begin. chosen: the
+ * folder was not chosen by the scene, but by whoever runs it. */
+static const char *try_folder(Search *search, const char *folder, size_t length, bool chosen)
 {
-    const char *slash = length > 0 && folder[length - 1] != '/' ? "/" : "";
-    const char *path = arena_format(search->diag->arena, "%.*s%s%s", (int)length, folder, slash, search->name);
+    Arena *arena = search->diag->arena;
+    const char *slash = length > 0 && folder[length - 1] != '/' ? "/" : "", *confine = search->options->confine;
+    const char *path = arena_format(arena, "%.*s%s%s", (int)length, folder, slash, search->name);
+    if (confine) {
+        path = direct_path(arena, path);
+        if (!is_within(arena, path, confine)) {
+            search->outside |= !chosen;
+            if (chosen && !search->skipped) search->skipped = arena_copy_text(arena, folder, length);
+            return NULL;
+        }
+    }
     FileKind kind = file_kind(path);
     if (kind == FILE_NONE) return NULL;
-    if (search->options->confine && !is_within(path, search->options->confine)) {
-        search->outside |= kind != FILE_FOLDER;
-        return NULL;
-    }
     if (kind == FILE_REGULAR) return path;
     search->other = path;
     search->kind = kind;
@@ -56,7 +98,7 @@ static const char *try_path_list(Search *search, const char *list)
 {
     while (list && *list) {
         size_t length = strcspn(list, ":");
-        const char *path = length ? try_folder(search, list, length) : NULL;
+        const char *path = length ? try_folder(search, list, length, true) : NULL;
         if (path) return path;
         list += length + (list[length] == ':');
     }
@@ -77,15 +119,18 @@ static const char *search_file(Search *search, const EvalLibraryFile **library)
 {
     if (library) *library = NULL;
     if (search->name[0] == 0) return NULL;
-    if (search->name[0] == '/') return try_folder(search, "", 0);
+    if (search->name[0] == '/') return try_folder(search, "", 0, false);
     const Source *source = &search->diag->sources->sources[search->span.source];
     const char *slash = source->path ? strrchr(source->path, '/') : NULL;
-    const char *path = try_folder(search, source->path ? source->path : "", slash ? (size_t)(slash - source->path) + 1 : 0);
+    const char *path = try_folder(search, source->path ? source->path : "", slash ? (size_t)(slash - source->path) + 1 : 0, false);
     for (size_t i = 0; !path && i < search->options->n_include_folders; i++)
-        path = try_folder(search, search->options->include_folders[i], strlen(search->options->include_folders[i]));
+        path = try_folder(search, search->options->include_folders[i], strlen(search->options->include_folders[i]), true);
     if (!path) path = try_path_list(search, getenv("MENISCUS_PATH"));
     if (!path && library) *library = library_file(search->options, search->name);
-    if (!path && !(library && *library)) path = try_folder(search, MEN_DATA_FOLDER, strlen(MEN_DATA_FOLDER));
+    if (path || (library && *library)) return path;
+    const char *skipped = search->skipped; /* the data folder is not worth a word */
+    path = try_folder(search, MEN_DATA_FOLDER, strlen(MEN_DATA_FOLDER), true);
+    search->skipped = skipped;
     return path;
 }
 
@@ -152,6 +197,9 @@ static void report_missing(const Search *search)
         suggest_library(search, report);
     if (!report->hint && strncmp(search->name, "std/", 4) == 0)
         diag_hint(diag, report, "meniscus help std lists what the library has");
+    if (!report->hint && search->skipped)
+        diag_hint(diag, report, "the folder '%s' is not searched: it is outside of '%s', to which the scene is confined",
+                  search->skipped, search->options->confine);
     if (!report->hint && search->name[0] && search->name[0] != '/')
         diag_hint(diag, report,
                   "files are sought beside the one that names them, and in the folders of -I and MENISCUS_PATH");

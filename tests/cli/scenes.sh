@@ -349,3 +349,45 @@ for wrong in 'environment { fog = .1 }' 'fog { density = .1 }'; do
     matches out 'box .* fog'
 done
 end
+
+begin "what is outside of the folder of --confine is outside, whether it is there or not"
+mkdir -p inner/deep outer
+echo 'meniscus 1.0' > outer/there.mns
+cp outer/there.mns inner/own.mns
+cp outer/there.mns inner/deep/own.mns
+ln -s ../outer inner/link
+ln -s . inner/self
+tried() { # NAME REPORT: what comes of a file of that name, here and in a folder of -I
+    printf 'meniscus 1.0 unit cm\ninclude "%s"\nsphere { surface = surface { } }\n' "$1" > inner/scene.mns
+    printf 'environment { }\ncamera { from = <0, 0, 5>  to = <0, 0, 0> }\n' >> inner/scene.mns
+    run check inner/scene.mns --confine inner
+    if [ -z "$2" ]; then exits 0; else exits 3; says err "[$2]"; fi
+    run check "$PWD/inner/scene.mns" --confine "$PWD/inner/self"
+    if [ -z "$2" ]; then exits 0; else exits 3; says err "[$2]"; fi
+    "$program" check - --confine inner -I inner -I outer < inner/scene.mns > out 2> err
+    status=$?
+}
+for there in there nothing; do
+    tried "../outer/$there.mns" outside-confine
+    tried "$PWD/outer/$there.mns" outside-confine
+    tried "/$there/$there.mns" outside-confine
+    tried "/etc/passwd/../$there" outside-confine
+    tried "link/$there.mns" outside-confine
+    tried "link/$there/$there.mns" outside-confine
+    tried "../outer/$there/../../inner/own.mns" ''
+    tried "../outer/$there.mns/../../../inner/nothing.mns" outside-confine
+done
+tried own.mns ''
+exits 0
+tried ./deep/../deep//own.mns ''
+tried "$PWD/inner/deep/own.mns" ''
+tried self/deep/own.mns ''
+tried nothing.mns file-not-found
+tried deep/nothing.mns file-not-found
+tried deep file-unreadable
+# a folder that is searched, but outside
+tried there.mns file-not-found
+run check inner/scene.mns --confine inner -I outer
+exits 3
+says err "hint: the folder 'outer' is not searched: it is outside of 'inner', to which the scene is confined"
+end
