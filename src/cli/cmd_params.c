@@ -6,31 +6,9 @@
 #include "cli/scene_input.h"
 #include "lang/lex.h"
 
-/* What the numbers of a parameter are in; NULL: nothing says so. */
 static const char *unit_of_param(const EvalResult *result, const EvalParam *param)
 {
-    switch (param->measure) {
-    case UNIT_LENGTH: return unit_of_length(result->unit_m);
-    case UNIT_ANGLE: return "deg";
-    case UNIT_TIME: return "s";
-    case UNIT_KELVIN: return "K";
-    default: return NULL;
-    }
-}
-
-static bool is_digit(char c)
-{
-    return c >= '0' && c <= '9';
-}
-
-/* With the unit behind each number, as -D takes it: "<10mm, 2mm>", "5mm..60mm". */
-static void add_with_unit(Buf *out, const char *text, const char *unit)
-{
-    for (const char *c = text; *c; c++) {
-        buf_format(out, "%c", *c);
-        bool goes_on = is_digit(c[1]) || c[1] == 'e' || (c[1] == '.' && is_digit(c[2]));
-        if (unit && is_digit(*c) && !goes_on) buf_add(out, unit);
-    }
+    return unit_of_measure(param->measure, result->unit_m);
 }
 
 static void print_text(const EvalResult *result, Buf *out)
@@ -42,10 +20,10 @@ static void print_text(const EvalResult *result, Buf *out)
             const EvalParam *param = &result->params[i];
             const char *unit = unit_of_param(result, param), *doc = param->doc ? param->doc : "";
             value.length = rest.length = 0;
-            add_with_unit(&value, param->value, unit);
+            unit_add_behind_numbers(&value, param->value, unit);
             buf_add(&rest, doc);
             if (param->range) buf_format(&rest, "%sin ", *doc ? ", " : "");
-            if (param->range) add_with_unit(&rest, param->range, unit);
+            if (param->range) unit_add_behind_numbers(&rest, param->range, unit);
             if (strlen(param->name) > widest_name) widest_name = strlen(param->name);
             if (value.length > widest_value) widest_value = value.length;
             if (prints)

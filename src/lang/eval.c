@@ -381,12 +381,13 @@ static void report_unused_defines(Evaluator *evaluator)
     }
 }
 
-/* Nodes that --set can name: what the scene declares at its top, and the types that are there. */
+/* Nodes that --set can name: the types that are there, and what the scene declares at its top. Where two are near, one that
+ * the scene declares is meant. */
 static void report_unused_overrides(Evaluator *evaluator, const File *scene)
 {
     const char **names = ARENA_ARRAY(evaluator->arena, const char *, evaluator->top.n + scene->n_exports);
-    size_t n = 0;
-    for (size_t i = 0; i < evaluator->top.n; i++) names[n++] = evaluator->top.items[i]->type->name;
+    size_t n = 0, n_types = evaluator->top.n;
+    for (; n < n_types; n++) names[n] = evaluator->top.items[n]->type->name;
     for (uint32_t i = 0; i < scene->n_exports; i++) {
         const Binding *binding = scene->exports[i].binding;
         if (binding->kind == BINDING_SLOT && evaluator->globals[binding->index].kind == VALUE_NODE)
@@ -398,6 +399,7 @@ static void report_unused_overrides(Evaluator *evaluator, const File *scene)
         Diagnostic *report =
             eval_report(evaluator, D_UNKNOWN_NODE, override->node_span, "the scene has no node '%s'", override->node);
         diag_suggest(evaluator->diag, report, override->node, names, n);
+        if (!report->hint) diag_suggest(evaluator->diag, report, override->node, names + n_types, n - n_types);
     }
 }
 
@@ -481,7 +483,7 @@ static Status evaluate(Loader *loader, File *prelude, File *scene, Define *defin
     result->is_still = !resolver_uses(&resolver, PREDECLARED_CLOCK) && !resolver_uses(&resolver, PREDECLARED_FRAME) &&
                        !resolver_uses(&resolver, PREDECLARED_TIME);
     Evaluator evaluator = {.diag = diag, .arena = options->arena ? options->arena : loader->arena, .options = options, .schema = options->schema,
-                           .limits = loader->limits, .srgb_to_working = resolver.srgb_to_working, .defines = defines,
+                           .limits = loader->limits, .srgb_to_working = resolver.srgb_to_working, .unit_m = scene->unit_m, .defines = defines,
                            .n_defines = options->n_defines, .overrides = overrides,
                            .n_overrides = options->n_overrides};
     evaluator.globals = ARENA_ARRAY(loader->arena, Value, resolver.n_globals);

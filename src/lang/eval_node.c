@@ -68,7 +68,7 @@ static void set_prop(Evaluator *evaluator, Stmt *stmt, Target *target)
         } else if (!prop) {
             evaluator->diag->chain = frame_chain(evaluator, evaluator->frame);
             report_unknown_property(evaluator->diag, stmt->span, target->type, stmt->as.prop.name->text,
-                                    stmt->as.prop.value);
+                                    stmt->as.prop.value, false);
             evaluator->diag->chain = NULL;
             target->has_unknown = true;
         }
@@ -262,7 +262,8 @@ static void apply_override(Evaluator *evaluator, Override *override, Target *tar
     override->used = true;
     if (!prop) {
         if (!override->reported)
-            report_unknown_property(evaluator->diag, override->prop_span, target->type, override->prop, override->expr);
+            report_unknown_property(evaluator->diag, override->prop_span, target->type, override->prop, override->expr,
+                                    true);
         override->reported = true;
         return;
     }

@@ -196,17 +196,29 @@ static bool range_of_param(Evaluator *evaluator, Expr *expr, Value *range)
     return true;
 }
 
-/* The range as text, "5..60" or "[1, 2]"; NULL when there is none, or it is a mistake. */
-static const char *check_param_range(Evaluator *evaluator, Stmt *stmt, const Value *value, Span span)
+static const char *with_unit(Evaluator *evaluator, const char *text, const char *unit)
+{
+    Buf out = {0};
+    unit_add_behind_numbers(&out, text, unit);
+    const char *copy = arena_copy_text(evaluator->arena, buf_text(&out), out.length);
+    buf_clear(&out);
+    return copy;
+}
+
+/* The range as text, "5..60" or "[1, 2]"; NULL when there is none, or it is a mistake. given: what -D says; NULL: nothing. */
+static const char *check_param_range(Evaluator *evaluator, Stmt *stmt, const Value *value, const Define *given, Span span)
 {
     Value range;
     if (!stmt->as.bind.range || !range_of_param(evaluator, stmt->as.bind.range, &range)) return NULL;
     const char *bounds = text_of(evaluator, &range);
     if (range.kind == VALUE_RANGE && stmt->as.bind.range->kind == EXPR_RANGE && range.as.range.n == 2)
         bounds = arena_format(evaluator->arena, "%g..%g", range.as.range.first, range.as.range.first + range.as.range.step);
-    if (value->kind != VALUE_POISON && !range_allows(&range, value))
-        eval_report(evaluator, D_VALUE_OUT_OF_RANGE, span, "parameter '%s' is %s, outside of %s", stmt->as.bind.name->text,
-                    text_of(evaluator, value), bounds);
+    if (value->kind == VALUE_POISON || range_allows(&range, value)) return bounds;
+    const UnitType *type = unit_of_param(stmt);
+    if (!type && given) type = unit_of_literal(given->expr);
+    const char *unit = type ? unit_of_measure(type->measure, evaluator->unit_m) : NULL;
+    eval_report(evaluator, D_VALUE_OUT_OF_RANGE, span, "parameter '%s' is %s, outside of %s", stmt->as.bind.name->text,
+                with_unit(evaluator, text_of(evaluator, value), unit), with_unit(evaluator, bounds, unit));
     return bounds;
 }
 
@@ -236,7 +248,7 @@ static void param_stmt(Evaluator *evaluator, Stmt *stmt)
     }
     if (!eval_type_allows(evaluator, stmt->as.bind.type, stmt->as.bind.type_span, &value, span, stmt->as.bind.name->text))
         value = value_poison();
-    const char *range = check_param_range(evaluator, stmt, &value, span);
+    const char *range = check_param_range(evaluator, stmt, &value, define, span);
     if (!evaluator->discard) record_param(evaluator, stmt, &value, range);
     *eval_slot(evaluator, stmt->as.bind.slot) = value;
 }

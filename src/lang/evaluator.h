@@ -85,6 +85,7 @@ typedef struct Evaluator {
     const Schema *schema;
     EvalLimits limits;
     const double *srgb_to_working;
+    double unit_m;              /* metres per scene unit */
     Value *globals;
     uint32_t n_globals;
     Frame *frame;

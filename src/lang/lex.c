@@ -86,6 +86,31 @@ double unit_value(const char *text, size_t length, const UnitType *unit, double 
     return number;
 }
 
+const char *unit_of_measure(PropUnit measure, double unit_m)
+{
+    switch (measure) {
+    case UNIT_LENGTH: return unit_of_length(unit_m);
+    case UNIT_ANGLE: return "deg";
+    case UNIT_TIME: return "s";
+    case UNIT_KELVIN: return "K";
+    default: return NULL;
+    }
+}
+
+static bool is_digit(char c)
+{
+    return c >= '0' && c <= '9';
+}
+
+void unit_add_behind_numbers(Buf *out, const char *text, const char *unit)
+{
+    for (const char *c = text; *c; c++) {
+        buf_format(out, "%c", *c);
+        bool goes_on = is_digit(c[1]) || c[1] == 'e' || (c[1] == '.' && is_digit(c[2]));
+        if (unit && is_digit(*c) && !goes_on) buf_add(out, unit);
+    }
+}
+
 const char *unit_measure_text(PropUnit measure)
 {
     static const char *const texts[] = {

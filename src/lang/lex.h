@@ -75,5 +75,9 @@ typedef struct KeywordType {
 } KeywordType;
 const KeywordType *keyword_at(size_t index);
 const char *unit_measure_text(PropUnit measure);          /* "a length" */
+/* What the numbers of a scene are in whose unit is unit_m, as "cm" or "deg"; NULL: nothing says so. */
+const char *unit_of_measure(PropUnit measure, double unit_m);
+/* A value as text with the unit behind each number, as -D takes it: "<10mm, 2mm>", "5mm..60mm". NULL: without. */
+void unit_add_behind_numbers(Buf *out, const char *text, const char *unit);
 
 #endif

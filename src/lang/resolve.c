@@ -424,7 +424,7 @@ static void resolve_prop(Resolver *resolver, Stmt *stmt)
     } else if (resolver->context == CONTEXT_NODE && type) {
         prop = schema_prop(type, stmt->as.prop.name->text);
         if (!prop) {
-            report_unknown_property(resolver->diag, stmt->span, type, stmt->as.prop.name->text, value);
+            report_unknown_property(resolver->diag, stmt->span, type, stmt->as.prop.name->text, value, false);
             resolver->context_node->has_unknown = true;
         }
     }

@@ -89,7 +89,28 @@ static const char *word_or_text(const Expr *value)
     return text ? value->as.constant.value.as.text : value ? word_of(value) : NULL;
 }
 
-void report_unknown_property(Diag *diag, Span span, const NodeType *type, const char *name, const Expr *value)
+/* Of an advice that is a transform, what --set can do about it; else NULL. */
+static const char *advice_for_set(Arena *arena, const char *advice)
+{
+    static const struct {
+        const char *transform, *param, *call, *define;
+    } ways[] = {{"translate", "place = <0, 0, 0>", "translate(place)", "place='<1, 2, 3>'"},
+                {"rotate", "turn = 0", "rotate(y, turn)", "turn=45"},
+                {"scale", "factor = 1", "scale(factor)", "factor=2"},
+                {"align", "axis = y", "align(y, axis)", "axis='<0, 0, 1>'"},
+                {"matrix", "shear = 0", "matrix(<1, 0, 0>, <shear, 1, 0>, <0, 0, 1>, <0, 0, 0>)", "shear=.5"}};
+    static const char begin[] = "write: ";
+    if (strncmp(advice, begin, sizeof begin - 1) != 0) return NULL;
+    const char *word = advice + sizeof begin - 1;
+    size_t length = strcspn(word, "(");
+    for (size_t i = 0; i < COUNT_OF(ways); i++)
+        if (strlen(ways[i].transform) == length && strncmp(word, ways[i].transform, length) == 0)
+            return arena_format(arena, "--set sets no transforms; write in the scene: param %s, in the node: %s, and set it by -D %s",
+                                ways[i].param, ways[i].call, ways[i].define);
+    return NULL;
+}
+
+void report_unknown_property(Diag *diag, Span span, const NodeType *type, const char *name, const Expr *value, bool by_set)
 {
     const char **words = ARENA_ARRAY(diag->arena, const char *, type->n_props);
     for (size_t i = 0; i < type->n_props; i++) words[i] = type->props[i].name;
@@ -107,7 +128,8 @@ void report_unknown_property(Diag *diag, Span span, const NodeType *type, const 
     }
     const char *advice = habit_advice(type->name, name);
     if (advice) {
-        diag_hint(diag, report, "%s", advice);
+        const char *for_set = by_set ? advice_for_set(diag->arena, advice) : NULL;
+        diag_hint(diag, report, "%s", for_set ? for_set : advice);
         return;
     }
     diag_suggest(diag, report, name, words, type->n_props);

@@ -21,8 +21,9 @@ const char *schema_bounds_text(Arena *arena, const PropType *type);
 /* "a number", "the name of a function ...": what a property takes */
 const char *prop_kind_text(Arena *arena, const PropType *type);
 /* Reports an unknown property with the nearest one, and with the value (may be NULL) that this takes where another word is
- * one for it. */
-void report_unknown_property(Diag *diag, Span span, const NodeType *type, const char *name, const Expr *value);
+ * one for it. by_set: --set names it, which takes no transforms. */
+void report_unknown_property(Diag *diag, Span span, const NodeType *type, const char *name, const Expr *value,
+                             bool by_set);
 
 /* "sphere" -> "a sphere", "environment" -> "an environment" */
 const char *with_article(Arena *arena, const char *name);

@@ -133,3 +133,44 @@ run check small.mns -D pos=1,2,3
 exits 3
 says err "hint: a vector stands in '<' and '>'"
 end
+
+begin "--set: of two near names the one that the scene declares is meant; transforms are for -D"
+small_scene
+sed -i 's/^camera {/light fill { shape = sphere  radius = 1  from = <0, 9, 0> }\ncamera {/' small.mns
+run check small.mns --set fil.x=1 --set fill.translate='<1, 2, 3>' --set sphere.rotate=4
+exits 3
+says err "the scene has no node 'fil'"
+says err "did you mean 'fill'?"
+says err "hint: --set sets no transforms; write in the scene: param place = <0, 0, 0>, in the node: translate(place), and set it by -D place='<1, 2, 3>'"
+says err "param turn = 0, in the node: rotate(y, turn), and set it by -D turn=45"
+says_not err "without '='"
+# what it says works
+sed -i 's/^light fill {/param place = <0, 0, 0>\nlight fill { translate(place) /' small.mns
+run check small.mns -D place='<1, 2, 3>'
+exits 0
+end
+
+begin "-D: a value that is out of range is shown with its unit, and so is the range"
+cat > units.mns <<'SCENE'
+meniscus 1.0 unit cm
+param level = 3cm in 1..5
+param turn = 30 in 0..90deg
+param number = 3 in 1..5
+param sizes = <1cm, 2cm>
+param kind = 2cm in [1cm, 2cm, 25mm]
+sphere { radius = level + number + sizes.x + kind  surface = surface { }  rotate(y, turn) }
+environment { }
+camera { from = <0, 0, 50>  to = <0, 0, 0> }
+SCENE
+run check units.mns
+exits 0
+run check units.mns -D level=90mm -D turn=.5turn -D number=9 -D kind=3
+exits 3
+says err "parameter 'level' is 9cm, outside of 1cm..5cm ["
+says err "parameter 'turn' is 180deg, outside of 0deg..90deg ["
+says err "parameter 'number' is 9, outside of 1..5 ["
+says err "parameter 'kind' is 3cm, outside of [1cm, 2cm, 2.5cm] ["
+run check units.mns -D number=90mm
+exits 3
+says err "parameter 'number' is 9cm, outside of 1cm..5cm ["
+end
