@@ -347,7 +347,7 @@ void eval_hint_truth(Evaluator *evaluator, Diagnostic *report, const Expr *expr)
     bool loose = expr->kind == EXPR_CONDITION;
     const char *text = eval_written(evaluator, expr->span, 40, "\n", "...");
     if (expr->kind == EXPR_CONSTANT)
-        diag_hint(diag, report, "write: %s", expr->as.constant.value.as.number != 0 ? "true" : "false");
+        diag_hint(diag, report, "write a comparison, as n != 0, or true or false");
     else
         diag_hint(diag, report, "write: %s%s%s != 0", loose ? "(" : "", text, loose ? ")" : "");
 }

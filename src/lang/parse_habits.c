@@ -536,6 +536,30 @@ static bool parse_foreign_import(Parser *parser, Path path)
     return true;
 }
 
+/* "medium red = glass { ior = 1.6 }": a variety of a prototype, behind the type */
+static bool parse_typed_instance(Parser *parser, Path path)
+{
+    Look look;
+    if (path.n != 1 || first_on_line(parser)) return false;
+    look_from(parser, &look);
+    if (lexer_next(&look.lexer).kind != TOKEN_ASSIGN) return false;
+    Token last = lexer_next(&look.lexer), behind = lexer_next(&look.lexer);
+    uint32_t begin = last.begin;
+    if (last.kind == TOKEN_NAME && behind.kind == TOKEN_DOT) {
+        last = lexer_next(&look.lexer);
+        behind = lexer_next(&look.lexer);
+    }
+    if (last.kind != TOKEN_NAME || behind.kind != TOKEN_BRACE_OPEN) return false;
+    const char *name = parser->token.as.symbol->text, *prototype = quote(parser, begin, last.end);
+    consume(parser);
+    Diagnostic *report = expected_error(parser, "'{'");
+    parser->panic = false;
+    diag_hint(parser->diag, report, "write: let %s = %s { ... }", name, prototype);
+    consume(parser);
+    parse_expr(parser);
+    return true;
+}
+
 /* "medium "glass" { }", at the string */
 static bool parse_quoted_name(Parser *parser, Path path)
 {
@@ -676,6 +700,7 @@ void parse_two_names(Parser *parser, Path path)
     bool placed =
         declared != SYMBOL_FREE && (first_on_line(parser) || parser->token.as.symbol->declared != SYMBOL_FREE);
     if (parse_assigned_block(parser, path) || parse_foreign_import(parser, path)) return;
+    if (!nearest && parse_typed_instance(parser, path)) return;
     if (placed && next != TOKEN_ASSIGN && parse_bare_instance(parser, path)) return;
     if (declared == SYMBOL_TRANSFORM && parser->node && parse_bare_instance(parser, path)) return;
     if (parse_flag_habit(parser, path)) return;
