@@ -60,11 +60,12 @@ static void layer_of_aov(Aov aov, char layer[LAYER_NAME_SIZE])
     snprintf(layer, LAYER_NAME_SIZE, "%.*s", (int)length, channels);
 }
 
-/* What a layer is asked for by: the name of its AOV, if it is one. */
+/* What a layer is asked for by: the name of its AOV, if it is one. Of those of mattes each has its own. */
 static const char *asked_name(const char *layer)
 {
     for (Aov aov = 0; aov < AOV_COUNT; aov++) {
         char name[LAYER_NAME_SIZE];
+        if (aov == AOV_CRYPTOMATTE) continue;
         layer_of_aov(aov, name);
         if (strcmp(name, layer) == 0) return aov_name(aov);
     }

@@ -116,6 +116,11 @@ exits 4
 says err "the picture has no layer 'dpeth'; did you mean 'depth'?"
 run view a.exr --layer beauty -o y.png
 matches err "the picture has no layer 'beauty', only: A, B, .*normal.*depth"
+matches err "only: .*CryptoMaterial00, CryptoMaterial01, .*CryptoObject00, CryptoObject01, CryptoObject02"
+says_not err cryptomatte
+run view a.exr --layer CryptoObject00 -o y.png
+exits 0
+rm y.png
 gone y.png
 run view a.exr --aov depth -o y.png
 exits 2
