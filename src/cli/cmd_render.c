@@ -63,8 +63,11 @@ static void note_scene(const RenderRun *run)
     const Scene *scene = run->input.scene;
     char time[32];
     seconds_print(clock_now_s() - run->start_s, time);
-    talk_note(run->talk, "objects: %u (%u with an inside); media: %u; lights: %u; read and built in %s", scene->n_objects,
-              run->input.compiled->n_hulls, scene->n_media, scene->n_lights, time);
+    char shining[48] = "";
+    uint32_t n_shining = render_count_shining(scene);
+    if (n_shining) snprintf(shining, sizeof shining, ", and %u object%s", n_shining, n_shining == 1 ? " that shines" : "s that shine");
+    talk_note(run->talk, "objects: %u (%u with an inside); media: %u; lights: %u%s; read and built in %s", scene->n_objects,
+              run->input.compiled->n_hulls, scene->n_media, scene->n_lights, shining, time);
     talk_note(run->talk, "%u x %u; samples per pixel: %u; nesting: %s; threads: %u", run->settings.width, run->settings.height,
               run->settings.samples, nest_policy_text(run->input.compiled->order.policy), pool_threads(run->pool));
 }

@@ -139,6 +139,28 @@ static void warn_of_black(const RenderRun *run)
     buf_clear(&view);
 }
 
+/* A number with so many digits, and all of those before the point: never 1e+03. */
+static void add_digits(Buf *line, double value, int digits)
+{
+    if (value >= pow(10, digits) - 0.5)
+        buf_format(line, "%.0f", value);
+    else
+        buf_format(line, "%.*g", digits, value);
+}
+
+/* Of a mean that is above what was aimed at: so few samples are judged by nobody, or they did not do. */
+static void remark_noise(const RenderRun *run)
+{
+    const RenderStats *stats = &run->stats;
+    uint32_t samples = run->settings.samples;
+    if (stats->stopped || !(run->settings.noise > 0) || !(stats->noise > run->settings.noise)) return;
+    Buf noise = {0};
+    add_digits(&noise, 100 * stats->noise, 2);
+    talk_remark(run->talk, "a noise of %.3g %% was aimed at, and %s %% was reached, as no pixel gets more than %u sample%s: '--spp' allows more",
+                100 * run->settings.noise, buf_text(&noise), samples, plural(samples));
+    buf_clear(&noise);
+}
+
 void render_warn(const RenderRun *run)
 {
     const RenderStats *stats = &run->stats;
@@ -156,6 +178,7 @@ void render_warn(const RenderRun *run)
     if (limit)
         talk_warning(talk, "%llu path%s gave up after too many surfaces between equal media", limit, plural(limit));
     if (bad) talk_warning(talk, "%llu sample%s without a finite value left out", bad, plural(bad));
+    remark_noise(run);
     remark_brightness(run);
     warn_of_black(run);
     if (saturated)
@@ -190,15 +213,6 @@ static void summarize_as_json(const RenderRun *run, double seconds)
     json_add_whole(&json, "nestingFaults", run->stats.nesting_faults);
     json_add_number(&json, "seconds", seconds);
     talk_event_end(&json);
-}
-
-/* A number with so many digits, and all of those before the point: never 1e+03. */
-static void add_digits(Buf *line, double value, int digits)
-{
-    if (value >= pow(10, digits) - 0.5)
-        buf_format(line, "%.0f", value);
-    else
-        buf_format(line, "%.*g", digits, value);
 }
 
 /* 16 to 4096 samples, 87.1 on average, noise 0.94 % */
@@ -247,7 +261,11 @@ void render_summarize(const RenderRun *run)
     else
         buf_format(&line, "%u%s sample%s", stats->samples, total, plural(stats->stopped ? wanted : stats->samples));
     if (run->slices) buf_format(&line, ", %u to %u of %u", settings->first_sample + 1, settings->end_sample, settings->samples);
-    if (stats->spread_samples) buf_format(&line, ", %.2g %% of the light spread", 100 * stats->spread_light);
+    if (stats->spread_samples) {
+        buf_add(&line, ", ");
+        add_digits(&line, 100 * stats->spread_light, 2);
+        buf_add(&line, " % of the light spread");
+    }
     if (run->settings.denoises) buf_add(&line, ", denoised");
     buf_format(&line, ", %llu nesting fault%s) in %s\n", (unsigned long long)stats->nesting_faults,
                plural(stats->nesting_faults), time);
@@ -296,6 +314,13 @@ void render_summarize_frames(const RenderRun *run)
 
 /* ---- --stats ---- */
 
+uint32_t render_count_shining(const Scene *scene)
+{
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < scene->n_objects; i++) n += scene->objects[i].part_of == SCENE_NONE && scene_shines(scene, i);
+    return n;
+}
+
 static void print_stats_json(const RenderRun *run, Buf *out)
 {
     const RenderStats *stats = &run->stats;
@@ -321,6 +346,7 @@ static void print_stats_json(const RenderRun *run, Buf *out)
     json_add_whole(&json, "hulls", input->compiled->n_hulls);
     json_add_whole(&json, "media", input->scene->n_media);
     json_add_whole(&json, "lights", input->scene->n_lights);
+    json_add_whole(&json, "objectsThatShine", render_count_shining(input->scene));
     json_add_whole(&json, "geometryBytes", rtc_scene_bytes(input->compiled->rtc));
     json_add_whole(&json, "threads", pool_threads(run->pool));
     json_add_whole(&json, "paths", stats->paths);

@@ -94,6 +94,8 @@ ColorLook render_look(const RenderRun *run);
 void render_warn(const RenderRun *run);
 void render_summarize(const RenderRun *run);
 void render_summarize_frames(const RenderRun *run);
+/* How many objects give light by themselves, beside the lights. */
+uint32_t render_count_shining(const Scene *scene);
 ATTR_NODISCARD Status render_print_stats(const RenderRun *run, Error *error);
 
 #endif

@@ -355,6 +355,13 @@ static inline uint32_t scene_whole(const Scene *scene, uint32_t object)
     uint32_t whole = scene->objects[object].part_of;
     return whole == SCENE_NONE ? object : whole;
 }
+/* Whether an object gives light by itself: its surface, or what fills it. */
+static inline bool scene_shines(const Scene *scene, uint32_t object)
+{
+    uint32_t surface = scene->objects[object].surface, medium = scene->objects[object].medium;
+    return (surface != SCENE_NONE && scene->surfaces[surface].emits) ||
+           (medium != SCENE_NONE && scene->media[medium].emits);
+}
 /* Whether light goes through an object that has no interior. */
 static inline bool scene_is_thin(const Scene *scene, uint32_t object)
 {

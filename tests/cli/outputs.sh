@@ -218,6 +218,32 @@ exits 0
 there a.exr
 end
 
+begin "an aim of noise that is missed is said, and what gives light beside lights"
+cat > lit.mns <<'SCENE'
+meniscus 1.0 unit cm
+surface glowing { emission = 300 }
+sphere { radius = .3  surface = surface { } }
+for (i in [-1, 1]) { sphere { center = <2 * i, 2, 0>  radius = .02  surface = glowing } }
+sphere { radius = .3  center = <0, -1, 0>  interior = medium { ior = 1  emission = .1 } }
+camera { from = <0, 0, 5>  to = <0, 0, 0> }
+film { size = <32, 32> }
+render { samples = 4 }
+SCENE
+run render lit.mns -o a.exr --noise 2% --progress none -v
+exits 0
+matches err 'lights: 0, and 3 objects that shine; '
+matches err 'remark: a noise of 2 % was aimed at, and [0-9.]+ % was reached, as no pixel gets more than 4 samples: .--spp. allows more$'
+run render lit.mns -o a.exr --noise 2% --progress none -q
+says_not err aimed
+run render lit.mns -o a.exr --noise 2% --progress none --set 'glowing.emission=.1' --stats=a.json
+exits 0
+says_not err aimed
+says a.json '"objectsThatShine": 3'
+small_scene
+run render small.mns -o a.exr -s 1 -v
+matches err 'lights: 0; '
+end
+
 begin "adaptive renders: the samples of noisy and of quiet pixels, and their mean"
 small_scene
 run render small.mns -o a.exr -s 64 --adaptive on --aov samples --stats=a.json --progress none
