@@ -207,6 +207,26 @@ static double sweep_tolerance(const Vec3 *path, size_t n, double size)
     return fmin(fmax(reach / 10000, size / 1000), size / 100);
 }
 
+/* In two digits, and not more. */
+static double rounded_down(double x)
+{
+    double unit = pow(10, floor(log10(x)) - 1);
+    return floor(x / unit) * unit;
+}
+
+static void hint_fit(Builder *b, Diagnostic *report, const SweepShape *shape, double fits)
+{
+    const char *else_what = shape->outline ? "sweeps that overlap, in a union" : "spheres and capsules from point to point, in a union";
+    if (!(fits > 0) || !isfinite(fits))
+        diag_hint(b->diag, report, "a smaller %s or wider bends; or %s", shape->outline ? "outline" : "radius", else_what);
+    else if (!shape->outline && shape->n_scales == 1)
+        diag_hint(b->diag, report, "a radius of %.2g, which fits all along the path, or wider bends; or %s",
+                  rounded_down(fits * shape->scales[0]), else_what);
+    else
+        diag_hint(b->diag, report, "%.2g times the %s, which fits all along the path, or wider bends; or %s",
+                  rounded_down(fits), shape->outline ? "size" : "radius", else_what);
+}
+
 static Status make_sweep(Builder *b, const EvalNode *node, Mesh **mesh, Span *span, Error *error)
 {
     const EvalProp *path = eval_prop(node, "path"), *radius = eval_prop(node, "radius"),
@@ -250,10 +270,7 @@ static Status make_sweep(Builder *b, const EvalNode *node, Mesh **mesh, Span *sp
     }
     if (overlap.folds) {
         Diagnostic *report = build_report_shape(b, path->span, error);
-        if (report)
-            diag_hint(b->diag, report,
-                      prop ? "a smaller outline or wider bends; or sweeps that overlap, in a union"
-                           : "a smaller radius or wider bends; or spheres and capsules from point to point, in a union");
+        if (report) hint_fit(b, report, &shape, overlap.fits);
         error->text[0] = 0; /* that is said */
     }
     if (overlap.found)

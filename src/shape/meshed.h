@@ -39,7 +39,8 @@ typedef struct SweepShape {
 typedef struct SweepOverlap {
     bool found;
     Vec3 at;
-    bool folds; /* the path bends more than the outline allows: then there is an error, and no sweep */
+    bool folds;  /* the path bends more than the outline allows: then there is an error, and no sweep */
+    double fits; /* and so many times its size does not fold anywhere; 0: none does */
 } SweepOverlap;
 
 /* An outline that is moved along a path, turned as little as possible: rotation minimizing frames by double reflection

@@ -369,6 +369,57 @@ static Status check_fold(SweepMaker *maker, const Station *a, const Station *b, 
                 a->at.x, a->at.y, a->at.z, a->source, reach);
 }
 
+/* How far a line from 1 on falls per unit when it comes to `after` at 1: up to which value it is above 0. */
+static double zero_of(double after)
+{
+    return after < 1 ? 1 / (1 - after) : HUGE_VAL;
+}
+
+/* How many times its size the outline can have without a fold between any two stations: whatever a step is longer or shorter
+ * than its chord goes with the size, and so does what the bend takes away of it. */
+static double fit_of_stations(const SweepMaker *maker)
+{
+    double fit = HUGE_VAL;
+    for (size_t i = 0; i + 1 < maker->n_stations; i++) {
+        const Station *a = &maker->stations[i], *b = a + 1;
+        Vec3 chord = vec3_sub(b->at, a->at);
+        for (size_t k = 0; k < maker->outline->n_points; k++) {
+            Point2 p = maker->outline->points[k].at;
+            Vec3 step = vec3_sub(station_point(b, p), station_point(a, p));
+            Vec3 offset = vec3_scale(outline_vector(a, p), a->scale);
+            fit = fmin(fit, zero_of(vec3_dot(step, chord) / vec3_dot(chord, chord)));
+            fit = fmin(fit, zero_of(1 - vec3_dot(a->bend, offset)));
+        }
+    }
+    return fit;
+}
+
+/* The same of the path itself, somewhat less: a smooth one may bend more between stations, and smaller outlines have more of
+ * those. 0: it bends without end, or takes too long to look at. */
+static double largest_fit(const SweepMaker *maker)
+{
+    enum { ROUNDS = 8 };
+    const double margin = 0.98, settled = 0.98, most_work = 5e7;
+    double fit = fit_of_stations(maker);
+    if (!maker->shape->smooth) return margin * fit;
+    SweepShape finer = *maker->shape;
+    for (int i = 0; i < ROUNDS && fit > 0; i++) {
+        SweepMaker again = {.shape = &finer, .outline = maker->outline, .twist = maker->twist};
+        Error none;
+        double next = 0;
+        finer.tolerance *= 0.1;
+        bool walked = walk_path(&again, &none) == STATUS_OK && set_corners(&again, &none) == STATUS_OK;
+        if (walked && (double)again.n_stations * (double)again.outline->n_points < most_work) {
+            set_frames(&again);
+            next = fit_of_stations(&again);
+        }
+        free(again.stations);
+        if (next >= settled * fit) return margin * fmin(fit, next);
+        fit = next;
+    }
+    return 0;
+}
+
 static Status add_span(SweepMaker *maker, size_t i, Error *error)
 {
     const Station *a = &maker->stations[i], *b = a + 1;
@@ -565,6 +616,7 @@ Status mesh_make_sweep(const SweepShape *shape, Mesh **mesh, SweepOverlap *overl
     maker.hollow = hollow.n_points ? &hollow : maker.outline;
     if (status == STATUS_OK) status = make_all(&maker, overlap, error);
     overlap->folds = maker.folds;
+    if (maker.folds) overlap->fits = largest_fit(&maker);
     if (status == STATUS_OK) status = grower_finish(&maker.grower, "the sweep", mesh, error);
     grower_clear(&maker.grower);
     free(maker.stations);
