@@ -58,3 +58,20 @@ bool camera_ray(const SceneCamera *camera, FilmPoint point, const float lens[2],
     *ray = ray_make(origin, vec3f_from(vec3_normalize(direction)));
     return true;
 }
+
+bool camera_pixel(const SceneCamera *camera, Vec3 place, uint32_t width, uint32_t height, uint32_t *x, uint32_t *y)
+{
+    Vec3 away = vec3_sub(place, camera->from);
+    double right = vec3_dot(away, camera->right), up = vec3_dot(away, camera->up),
+           ahead = vec3_dot(away, camera->forward);
+    if (camera->projection == PROJECTION_ORTHOGRAPHIC)
+        ahead = 1;
+    else if (camera->projection != PROJECTION_PERSPECTIVE || !(ahead > 0))
+        return false;
+    double pixel = 2 * camera->half_width / width;
+    double column = right / (ahead * pixel) + 0.5 * width, row = 0.5 * height - up / (ahead * pixel);
+    if (!(column >= 0 && column < width && row >= 0 && row < height)) return false;
+    *x = (uint32_t)column;
+    *y = (uint32_t)row;
+    return true;
+}

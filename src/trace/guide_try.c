@@ -22,6 +22,8 @@
 #include "trace/guide_parts.h"
 
 enum { SPOT_PATHS = 16, HALVES = 2 };
+/* One spot in so many is where photons land. */
+enum { LED_PART = 4 };
 /* How often probes are sent by paths that are scattered in a cell, and for each of these how often by looks along paths, over that. */
 enum { N_SHARES = 7, N_LOOKS = 4, N_CHOICES = N_SHARES * N_LOOKS };
 static const float shares[N_SHARES] = {0, 0.03f, 0.06f, 0.12f, 0.25f, 0.5f, 1}, looks[N_LOOKS] = {0, 0.25f, 1, 4};
@@ -57,8 +59,9 @@ typedef struct Record {
 /* What paths do in a part of the guide. */
 typedef struct Tally {
     uint32_t cell, n_found, visits;
-    double weight, look_weight; /* how many probes there would be if all shares were 1: by what is scattered, by looks; */
-    double sent, rays;          /* those sent, and their rays */
+    double weight,
+        look_weight;   /* how many probes there would be if all shares were 1: by what is scattered, by looks; */
+    double sent, rays; /* those sent, and their rays */
     double lines, lines_squared; /* what all cells scatter on the lines of the looks */
     double carried;              /* squares of what the paths carried there */
     double returned;         /* and of what part of the light of a white surface went back along them, of those sent */
@@ -74,10 +77,14 @@ struct GuideLedger {
     bool out_of_memory;
 };
 
+/* A pixel that is tried. */
 typedef struct Spot {
+    uint32_t x, y, first_sample;
+    double weight; /* over that of one of as many spots that are spread evenly */
     unsigned worker;
     size_t first, end; /* of the worker's tallies */
     double variance;   /* relative, the sum of that of its paths */
+    double rays;
 } Spot;
 
 typedef struct Tryout {
@@ -164,24 +171,58 @@ static void tally_record(Tally *tally, const Record *record, double by_brightnes
     }
 }
 
+/* Three quarters of the spots are spread evenly, the others as photons are that land where the camera sees them: the focus of a
+ * burning glass is few pixels of all. They are weighed as if all spots were of both kinds ([Veach97] 9.2.2, the balance heuristic). */
+static bool place_spots(Tryout *trial, const Photon *photons)
+{
+    const uint32_t width = trial->settings->width, height = trial->settings->height;
+    const uint32_t n_photons = trial->guide->begins[trial->guide->n_cells];
+    const SceneCamera *camera = &trial->world.camera;
+    const uint64_t pixels = (uint64_t)width * height;
+    uint32_t *landed = calloc(pixels, sizeof *landed), n_seen = 0, x, y;
+    if (!landed) return false;
+    for (uint32_t k = 0; k < n_photons; k++)
+        if (camera_pixel(camera, vec3_from_f(photons[k].position), width, height, &x, &y))
+            landed[(size_t)y * width + x]++, n_seen++;
+    uint32_t n_led = n_seen ? trial->n_spots / LED_PART : 0, n_even = trial->n_spots - n_led, seen = 0, led = 0;
+    for (uint32_t i = 0; i < n_even; i++) {
+        uint64_t pixel = ((uint64_t)i * pixels + pixels / 2) / n_even;
+        trial->spots[i] = (Spot){.x = (uint32_t)(pixel % width), .y = (uint32_t)(pixel / width)};
+    }
+    for (uint32_t k = 0; k < n_photons && led < n_led; k++) {
+        if (!camera_pixel(camera, vec3_from_f(photons[k].position), width, height, &x, &y)) continue;
+        for (seen++; led < n_led && ((uint64_t)led * n_seen + n_seen / 2) / n_led < seen; led++)
+            trial->spots[n_even + led] = (Spot){.x = x, .y = y, .first_sample = (led + 1) * SPOT_PATHS};
+    }
+    for (uint32_t i = 0; i < trial->n_spots; i++) {
+        Spot *spot = &trial->spots[i];
+        double share = n_seen ? (double)landed[(size_t)spot->y * width + spot->x] * (double)pixels / n_seen : 0;
+        spot->weight = trial->n_spots / (n_even + n_led * share);
+    }
+    free(landed);
+    return true;
+}
+
 static void look_at_spot(void *context, uint32_t i, unsigned worker)
 {
     Tryout *trial = context;
     const GuideSettings *settings = trial->settings;
     GuideLedger *ledger = &trial->ledgers[worker];
     Spot *spot = &trial->spots[i];
-    uint64_t pixels = (uint64_t)settings->width * settings->height,
-             pixel = ((uint64_t)i * pixels + pixels / 2) / trial->n_spots;
-    uint32_t x = (uint32_t)(pixel % settings->width), y = (uint32_t)(pixel / settings->width);
+    Tracer *tracer = &trial->tracers[worker];
+    uint64_t rays = tracer->counters.rays;
     double luminance[SPOT_PATHS], by_brightness[SPOT_PATHS], sum = 0;
     ledger->n = 0;
     for (uint32_t k = 0; k < SPOT_PATHS; k++) {
         float rgb[3], alpha;
         ledger->path = k;
-        trace_sample(&trial->tracers[worker], x, y, settings->width, settings->height, ~settings->seed, k, rgb, &alpha);
+        trace_sample(tracer, spot->x, spot->y, settings->width, settings->height, ~settings->seed,
+                     spot->first_sample + k, rgb, &alpha);
         sum += luminance[k] = (double)color_luminance(rgb);
     }
-    *spot = (Spot){.worker = worker, .first = ledger->n_tallies};
+    spot->worker = worker;
+    spot->first = ledger->n_tallies;
+    spot->rays = (double)(tracer->counters.rays - rays);
     for (uint32_t k = 0; k < SPOT_PATHS; k++) { /* each by the brightness that the others say */
         double mean = (sum - luminance[k]) / (SPOT_PATHS - 1), off = luminance[k] - mean;
         by_brightness[k] = 1 / (mean * mean + DARK * DARK);
@@ -197,29 +238,31 @@ static void look_at_spot(void *context, uint32_t i, unsigned worker)
 
 /* ---- sums ---- */
 
-static void tally_add(Tally *sum, const Tally *more)
+/* Adds another tally so many times; what was found, and visits, are counted as they are. */
+static void tally_add(Tally *sum, const Tally *more, double times)
 {
     sum->n_found += more->n_found;
     sum->visits += more->visits;
-    sum->weight += more->weight;
-    sum->look_weight += more->look_weight;
-    sum->lines += more->lines;
-    sum->lines_squared += more->lines_squared;
-    sum->sent += more->sent;
-    sum->rays += more->rays;
-    sum->carried += more->carried;
-    sum->returned += more->returned;
-    for (int k = 0; k < N_CHOICES; k++) sum->saved[k] += more->saved[k];
+    sum->weight += times * more->weight;
+    sum->look_weight += times * more->look_weight;
+    sum->lines += times * more->lines;
+    sum->lines_squared += times * more->lines_squared;
+    sum->sent += times * more->sent;
+    sum->rays += times * more->rays;
+    sum->carried += times * more->carried;
+    sum->returned += times * more->returned;
+    for (int k = 0; k < N_CHOICES; k++) sum->saved[k] += times * more->saved[k];
 }
 
 static void sum_spots(Tryout *trial)
 {
     for (uint32_t i = 0; i < trial->n_spots; i++) {
         const Spot *spot = &trial->spots[i];
-        trial->variance += spot->variance;
+        trial->variance += spot->weight * spot->variance;
+        trial->rays += spot->weight * spot->rays;
         for (size_t k = spot->first; k < spot->end; k++) {
             const Tally *tally = &trial->ledgers[spot->worker].tallies[k];
-            tally_add(&trial->cells[i % HALVES][tally->cell], tally);
+            tally_add(&trial->cells[i % HALVES][tally->cell], tally, spot->weight);
         }
     }
 }
@@ -231,11 +274,11 @@ static Tally sum_node(Tryout *trial, uint32_t number, const bool wanted[HALVES])
     Tally sum = {.cell = 0};
     if (node->axis == GUIDE_LEAF) {
         for (int h = 0; h < HALVES; h++)
-            if (wanted[h]) tally_add(&sum, &trial->cells[h][node->first]);
+            if (wanted[h]) tally_add(&sum, &trial->cells[h][node->first], 1);
     } else {
         for (uint32_t child = 0; child < 2; child++) {
             Tally part = sum_node(trial, node->first + child, wanted);
-            tally_add(&sum, &part);
+            tally_add(&sum, &part, 1);
         }
     }
     return trial->nodes[number] = sum;
@@ -448,7 +491,7 @@ Status guide_try(Guide *guide, const World *world, const GuideSettings *settings
     trial.n_spots = (uint32_t)(spots < pixels ? spots : pixels);
     trial.paths = (double)trial.n_spots * SPOT_PATHS;
     *worth = (GuideWorth){.gain = 1};
-    bool out_of_memory = !prepare(&trial, n_threads);
+    bool out_of_memory = !prepare(&trial, n_threads) || !place_spots(&trial, photons);
     if (!out_of_memory) {
         trial.world.guide = guide;
         for (uint32_t i = 0; i < guide->n_cells; i++) set_shares(&guide->cells[i], TRIED);
@@ -459,7 +502,6 @@ Status guide_try(Guide *guide, const World *world, const GuideSettings *settings
             out_of_memory |= trial.ledgers[i].out_of_memory || trial.tracers[i].out_of_memory;
             worth->rays += trial.tracers[i].counters.rays;
         }
-        trial.rays = (double)worth->rays;
         if (!out_of_memory) conclude(&trial, photons, followed, worth);
     }
     trial_clear(&trial, n_threads);

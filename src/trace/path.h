@@ -132,5 +132,8 @@ typedef struct Footprint {
  * lens: uniform in [0,1)^2. An orthographic camera has a lens for each point, in the picture plane, and what is in focus is as
  * large as without. */
 bool camera_ray(const SceneCamera *camera, FilmPoint point, const float lens[2], Ray *ray, Footprint *footprint);
+/* The pixel of a pinhole or of a picture plane that a place is seen in, if nothing is in front of it; false: none, or another
+ * projection. */
+bool camera_pixel(const SceneCamera *camera, Vec3 place, uint32_t width, uint32_t height, uint32_t *x, uint32_t *y);
 
 #endif

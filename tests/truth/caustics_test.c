@@ -226,12 +226,23 @@ static const char rainbow[] =
     "light { shape = distant  from = <-20, .4, -13>  to = <0, 0, 0>  power = 60 } environment { color = .01 }\n"
     "camera { from = <0, 20, 22>  to = <2, 0, -2>  fov = 55 }\n";
 
+/* All that comes through the lens lands on one or two pixels; the lens is what two balls have in common, a hundredth of the box around
+ * each. */
+static const char burning_glass[] =
+    "meniscus 1.0 unit cm\n"
+    "use \"std/media.mns\" as media\n"
+    "intersection { interior = media.n_bk7  sphere { center = <0, 38.9, 0>  radius = 20 }\n"
+    "               sphere { center = <0, -.1, 0>  radius = 20 } }\n"
+    "ground { surface = surface { albedo = .5 } } environment { color = .25 }\n"
+    "light { shape = distant  from = <0, 100, 0>  to = <0, 0, 0>  power = 3 }\n"
+    "camera { from = <10, 30, 50>  to = <0, 9, 0>  fov = 34 }\n";
+
 /* Photons land on what returns nothing. */
-static const char black_table[] = MEDIA
-    "ground { surface = surface { albedo = 0  ior = 1.4  roughness = .05 } } environment { color = .3 }\n"
-    "sphere { center = <0, 30, 0>  radius = 30  interior = glass }\n"
-    "light { shape = distant  from = <5, 10, 2>  to = <0, 0, 0>  power = 5 }\n"
-    "camera { from = <0, 80, 200>  to = <0, 30, 0>  fov = 40 }\n";
+static const char black_table[] =
+    MEDIA "ground { surface = surface { albedo = 0  ior = 1.4  roughness = .05 } } environment { color = .3 }\n"
+          "sphere { center = <0, 30, 0>  radius = 30  interior = glass }\n"
+          "light { shape = distant  from = <5, 10, 2>  to = <0, 0, 0>  power = 5 }\n"
+          "camera { from = <0, 80, 200>  to = <0, 30, 0>  fov = 40 }\n";
 
 /* A guide is used where it pays: the sun through a drink and a window; not where the camera sees little of what it finds.
  * In some, cells hold one photon, or a row of them. */
@@ -245,6 +256,7 @@ static void guides_unasked(void **state)
     } cases[] = {{"whisky in the sun", {.file = "examples/whisky-sun.mns"}, true},
                  {"minirt", {.file = "examples/minirt.mns"}, true},
                  {"a rainbow on few pixels", {.text = rainbow}, true},
+                 {"the focus of a burning glass", {.text = burning_glass}, true},
                  {"a light bulb", {.file = "examples/light-bulb.mns"}, false},
                  {"a black table", {.text = black_table}, false},
                  {"finishes", {.file = "examples/finishes.mns"}, false}};

@@ -75,6 +75,37 @@ static void perspective(void **state)
     fixture_clear(&view.fixture);
 }
 
+/* What a pixel's ray meets is seen in that pixel; what is behind the camera or beside the film in none. */
+static void pixels_of_places(void **state)
+{
+    (void)state;
+    static const char *const cameras[] = {"from = <3, 4, 10>  to = <1, 2, 0>  fov = 50",
+                                          "projection = orthographic  from = <1, 2, 10>  to = <1, 0, 0>  width = 8"};
+    for (size_t i = 0; i < COUNT_OF(cameras); i++) {
+        View view;
+        Ray ray;
+        Footprint footprint;
+        uint32_t x, y, u, v;
+        open_view(&view, cameras[i]);
+        for (y = 0; y < HEIGHT; y += 3)
+            for (x = 0; x < WIDTH; x += 3) {
+                look(&view, x + 0.3, y + 0.6, &ray, &footprint);
+                assert_true(camera_pixel(&view.camera, ray_point(&ray, 7 + x), WIDTH, HEIGHT, &u, &v));
+                assert_int_equal(u, x);
+                assert_int_equal(v, y);
+            }
+        look(&view, -0.1, 3, &ray, &footprint);
+        assert_false(camera_pixel(&view.camera, ray_point(&ray, 7), WIDTH, HEIGHT, &u, &v));
+        if (i == 0) assert_false(camera_pixel(&view.camera, vec3(5, 6, 20), WIDTH, HEIGHT, &u, &v));
+        fixture_clear(&view.fixture);
+    }
+    View around;
+    uint32_t u, v;
+    open_view(&around, "projection = panorama  from = <0, 0, 10>  to = <0, 0, 0>");
+    assert_false(camera_pixel(&around.camera, vec3(0, 0, 0), WIDTH, HEIGHT, &u, &v));
+    fixture_clear(&around.fixture);
+}
+
 static void orthographic(void **state)
 {
     (void)state;
@@ -179,8 +210,9 @@ static void fisheye(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(perspective), cmocka_unit_test(orthographic), cmocka_unit_test(orthographic_with_a_lens),
-        cmocka_unit_test(panorama),    cmocka_unit_test(fisheye),
+        cmocka_unit_test(perspective),  cmocka_unit_test(pixels_of_places),
+        cmocka_unit_test(orthographic), cmocka_unit_test(orthographic_with_a_lens),
+        cmocka_unit_test(panorama),     cmocka_unit_test(fisheye),
     };
     return cmocka_run_group_tests_name("camera", tests, NULL, NULL);
 }

@@ -416,6 +416,24 @@ static void lit_clear(Lit *lit)
     fixture_clear(&lit->scene);
 }
 
+/* A lens is what two balls have in common: photons are sent to it, not to the box that both have in common. */
+static void lenses(void **state)
+{
+    (void)state;
+    Lit lit;
+    lit_make(&lit,
+             FIXTURE_MEDIA "intersection { interior = glass  sphere { center = <0, 195, 0>  radius = 200 }\n"
+                           "sphere { center = <0, -195, 0>  radius = 200 } }\n"
+                           "light { shape = \"distant\"  from = <0, 1, 0>  to = <0, 0, 0>  angle = .5deg  power = 1 }\n"
+                           "camera { from = <0, 10, 300>  to = <0, 0, 0> }\n");
+    assert_int_equal(lit.targets.n, 1);
+    const double radius = sqrt(200.0 * 200 - 195.0 * 195);
+    const Box3 *box = &lit.targets.boxes[0];
+    printf("    a lens of a radius of %.4g: its box reaches from %.4g to %.4g\n", radius, box->min.x, box->max.x);
+    assert_true(box->max.x > radius && box->max.x < 1.2 * radius && box->min.z < -radius && box->min.z > -1.2 * radius);
+    lit_clear(&lit);
+}
+
 /* Photons go through a boundary as often as light does: the glass around a lamp does not send them back because another lamp, or this
  * one, is there. */
 static void bulbs(void **state)
@@ -643,8 +661,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(densities), cmocka_unit_test(sheets),   cmocka_unit_test(folds),  cmocka_unit_test(doubts),
         cmocka_unit_test(sides),     cmocka_unit_test(borrowed), cmocka_unit_test(missed), cmocka_unit_test(levels),
-        cmocka_unit_test(flux),      cmocka_unit_test(bulbs),    cmocka_unit_test(hues),   cmocka_unit_test(beams),
-        cmocka_unit_test(walks),
+        cmocka_unit_test(flux),      cmocka_unit_test(bulbs),    cmocka_unit_test(lenses), cmocka_unit_test(hues),
+        cmocka_unit_test(beams),     cmocka_unit_test(walks),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
