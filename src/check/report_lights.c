@@ -18,10 +18,13 @@ typedef struct Fate {
     uint32_t n;
 } Fate;
 
-static bool is_rough(const Scene *scene, uint32_t object)
+/* Whether what is lost at a boundary is found otherwise, or was not meant to pass: of a rough one, and of one all painted. */
+static bool loses_nothing(const Scene *scene, uint32_t object)
 {
-    uint32_t surface = scene->objects[object].surface;
-    return surface != SCENE_NONE && scene->surfaces[surface].roughness > 0;
+    uint32_t number = scene->objects[object].surface;
+    if (number == SCENE_NONE) return false;
+    const SceneSurface *surface = &scene->surfaces[number];
+    return surface->roughness > 0 || (surface->painted && !surface->mixed && surface->spec.transmission_weight == 0);
 }
 
 /* The object whose smooth surface a line is bent by before it ends; SCENE_NONE where there is none. */
@@ -30,7 +33,8 @@ static uint32_t bender_along(const Scene *scene, const SightLine *line)
     for (size_t i = 0; i < line->n; i++) {
         const SightStep *step = &line->steps[i];
         if (step->kind == SIGHT_OPAQUE) return SCENE_NONE;
-        if (step->kind == SIGHT_BOUNDARY) return is_rough(scene, step->object) ? SCENE_NONE : step->object;
+        if (step->kind == SIGHT_BOUNDARY || step->kind == SIGHT_PAINTED)
+            return loses_nothing(scene, step->object) ? SCENE_NONE : step->object;
     }
     return SCENE_NONE;
 }

@@ -54,7 +54,7 @@ static bool makes_difference(const CompiledScene *compiled, const Probe *probe, 
 {
     const Scene *scene = compiled->scene;
     uint32_t medium = compiled->hulls[hull].medium;
-    if (probe->n_intervals > CROWD) return true;
+    if (probe->n_intervals > CROWD || scene_is_painted(scene, compiled->object_of_hull[hull])) return true;
     if (!alike(scene, medium, medium_without(compiled, probe, hull, (begin + end) / 2))) return true;
     for (size_t i = 0; i < probe->n_intervals; i++) { /* what is below may change in between */
         const Interval *other = &probe->intervals[i];

@@ -40,10 +40,10 @@ static uint32_t count_objects(const CompiledScene *compiled, const Hit *hits, si
     return count;
 }
 
-static SightKind kind_of(const CompiledScene *compiled, const NestCrossing *crossing, bool opaque)
+/* What no paint has a say in. */
+static SightKind kind_of(const CompiledScene *compiled, const NestCrossing *crossing)
 {
     const SceneMedium *media = compiled->scene->media;
-    if (opaque || crossing->opaque) return SIGHT_OPAQUE;
     if (crossing->owner_from == crossing->owner_to) return SIGHT_SILENT;
     if (crossing->medium_from == crossing->medium_to) return SIGHT_MERGED;
     for (float nm = 400; nm <= 700; nm += 50)
@@ -82,10 +82,15 @@ static bool add_step(const CompiledScene *compiled, Hit *hits, size_t n, NestLis
     nest_list_clear(&before);
     if (!fine || n == 0) return fine;
     const Hit *first = &hits[0], *opaque = NULL;
-    for (size_t i = 0; i < n && !opaque; i++)
+    bool painted = false;
+    for (size_t i = 0; i < n && !opaque; i++) {
         if (compiled->hull_of_object[hits[i].object] == SCENE_NONE) opaque = first = &hits[i];
+        painted |= scene_is_painted(compiled->scene, hits[i].object);
+    }
+    SightKind kind = opaque || crossing.opaque ? SIGHT_OPAQUE : kind_of(compiled, &crossing);
+    if (painted && (kind == SIGHT_MERGED || kind == SIGHT_ALIKE)) kind = SIGHT_PAINTED;
     line->steps[line->n++] = (SightStep){.distance = hits[0].t,
-                                         .kind = kind_of(compiled, &crossing, opaque != NULL),
+                                         .kind = kind,
                                          .object = scene_whole(compiled->scene, first->object),
                                          .n = count_objects(compiled, hits, n),
                                          .from = crossing.medium_from,
@@ -148,6 +153,7 @@ static void print_step(const CompiledScene *compiled, const SightStep *step, Buf
     case SIGHT_BOUNDARY: buf_format(&row[2], "boundary from %s to %s", from, to); break;
     case SIGHT_MERGED: buf_format(&row[2], "in silence: what is before and behind is %s", to); break;
     case SIGHT_ALIKE: buf_format(&row[2], "in silence: %s and %s bend light alike", from, to); break;
+    case SIGHT_PAINTED: buf_format(&row[2], "painted, from %s to %s, which bend light alike", from, to); break;
     case SIGHT_OPAQUE: buf_add(&row[2], "opaque"); break;
     case SIGHT_SILENT:
         buf_format(&row[2], "%s in silence", step->entering ? "entered" : "left");
@@ -177,7 +183,7 @@ void sight_line_print(const CompiledScene *compiled, const SightLine *line, Buf 
 
 void sight_line_print_json(const CompiledScene *compiled, const SightLine *line, JsonWriter *json)
 {
-    static const char *const kinds[] = {"boundary", "silent", "merged", "alike", "opaque"};
+    static const char *const kinds[] = {"boundary", "silent", "merged", "alike", "painted", "opaque"};
     const Scene *scene = compiled->scene;
     json_begin_object(json);
     json_add_text(json, "start", scene->media[line->start].name);

@@ -11,6 +11,7 @@ typedef enum SightKind {
     SIGHT_SILENT,   /* another hull is on top on both sides */
     SIGHT_MERGED,   /* the hulls on top before and behind are of one medium */
     SIGHT_ALIKE,    /* of two media that have one index of refraction */
+    SIGHT_PAINTED,  /* one of these two, but the boundary is seen by its paint */
     SIGHT_OPAQUE    /* the line ends */
 } SightKind;
 

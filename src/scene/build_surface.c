@@ -428,6 +428,7 @@ static void mix_of(Builder *b, const EvalNode *node, const EvalProp *mix, uint32
     for (int i = 0; i < 2; i++) {
         surface->mix[i] = parts[i];
         if (b->scene->surfaces[parts[i]].thin) surface->thin = true;
+        if (b->scene->surfaces[parts[i]].painted) surface->painted = true;
     }
 }
 

@@ -100,7 +100,7 @@ typedef struct SceneSurface {
     bool finished;   /* more than matte: has a spec */
     bool emits;      /* shines by itself, from both sides */
     bool mixed;      /* instead of all but emission: a part spec.mix_weight of surfaces[mix[1]], the rest of [mix[0]] */
-    bool painted;    /* says what part of a clear object's boundary is clear */
+    bool painted;    /* says what part of a clear object's boundary is clear, or a part of the mix does */
     uint32_t n_textures;
     uint32_t bump;             /* SCENE_NONE, or a texture of heights, in units of bump_height */
     uint32_t normal_map;       /* SCENE_NONE, or a texture of vectors, each number 0..1 for -1..1 */
@@ -367,6 +367,12 @@ static inline bool scene_is_thin(const Scene *scene, uint32_t object)
 {
     uint32_t surface = scene->objects[object].surface;
     return surface != SCENE_NONE && scene->objects[object].medium == SCENE_NONE && scene->surfaces[surface].thin;
+}
+/* Whether a clear object's boundary can be seen even between media of one index. */
+static inline bool scene_is_painted(const Scene *scene, uint32_t object)
+{
+    uint32_t surface = scene->objects[object].surface;
+    return surface != SCENE_NONE && scene->surfaces[surface].painted;
 }
 /* A combination is none, whatever its operands are. */
 static inline bool scene_is_plane(const Scene *scene, uint32_t object)

@@ -71,8 +71,8 @@ static void mark_passing(CompiledScene *compiled)
     for (uint32_t h = 0; h < compiled->n_hulls; h++) {
         uint32_t object = compiled->object_of_hull[h], medium = order->top[h].medium;
         if (nest_mixes(order, h) || scene->objects[object].shape == SCENE_NONE) continue;
-        /* the volumes of a medium that varies are each hull's own */
-        bool own = scene->media[medium].density || scene->media[medium].emits;
+        /* the volumes of a medium that varies are each hull's own, and paint shows wherever the owner changes */
+        bool own = scene->media[medium].density || scene->media[medium].emits || scene_is_painted(scene, object);
         rtc_set_passing(compiled->rtc, object, order->top[h].level, own ? RTC_NO_PASS : medium);
         if (!own && medium == NEST_WORLD_MEDIUM) compiled->passing[0].alike = medium;
     }

@@ -2,6 +2,7 @@
  * straight rays to lights.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "base/array.h"
+#include "nest/csg.h"
 #include "trace/airlight.h"
 
 /* A straight line that crosses more surfaces than this without any event is given up, and counted. */
@@ -67,6 +68,29 @@ static const Hit *boundary_hit_of_several(Tracer *tracer, size_t n, const NestCr
 static inline const Hit *boundary_hit(Tracer *tracer, size_t n, const NestCrossing *crossing)
 {
     return LIKELY(n == 1) ? tracer->hits.items : boundary_hit_of_several(tracer, n, crossing);
+}
+
+/* The level of the hull whose boundary a surface is; 0: none that owns a point. */
+static uint32_t level_of(const CompiledScene *compiled, const Hit *hit)
+{
+    const NestOrder *order = &compiled->order;
+    uint32_t hull = compiled->hull_of_object[hit->object];
+    if (hull != SCENE_NONE && hull >= order->n_hulls) hull = order->csg->trees[nest_csg_tree(order->csg, hull)].hull;
+    return hull < order->n_hulls ? order->top[hull].level : 0;
+}
+
+/* Which of n surfaces at one place is painted, and seen whatever the media are; NULL: none. Paint shows where the point's
+ * owner becomes another, even one of the same medium. from, to: the levels before and behind. */
+ATTR_APART static const Hit *painted_hit(const World *world, const Hit *hits, size_t n, uint32_t from, uint32_t to)
+{
+    const CompiledScene *compiled = world->compiled;
+    if (from == to && compiled->order.policy != NEST_NONE) return NULL;
+    for (size_t i = 0; i < n; i++) {
+        if (!scene_is_painted(world->scene, hits[i].object)) continue;
+        uint32_t level = level_of(compiled, &hits[i]);
+        if (level && (level == from || level == to || compiled->order.policy == NEST_NONE)) return &hits[i];
+    }
+    return NULL;
 }
 
 /* Crosses several surfaces at one place into tracer->next; if any is opaque, that one is to be shaded. before: the list in
@@ -385,6 +409,15 @@ void path_next_event(Path *path, Event *event)
             event->hit = *boundary_hit(tracer, n, &event->crossing);
             break;
         }
+        if (UNLIKELY(world->has_paint)) {
+            uint32_t behind =
+                event->behind == BEHIND_IN_NEXT ? tracer->next.point.top.level : event->step.point.top.level;
+            const Hit *painted = painted_hit(world, hits, n, tracer->list.point.top.level, behind);
+            if (painted) {
+                event->hit = *painted;
+                break;
+            }
+        }
         /* Nothing is there: on along the same ray, with the new list. */
         tracer->counters.silent_crossings++;
         if (silent >= SILENT_LIMIT) {
@@ -466,6 +499,7 @@ static inline StraightEnd cross_straight(Path *path, const Ray *ray, const Hit *
     const World *world = tracer->world;
     NestCrossing crossing;
     bool uneven_here = flight_is_uneven(world, &tracer->shadow_list, straight->medium);
+    uint32_t level = tracer->shadow_list.point.top.level;
     if (!path_cross(tracer, &tracer->shadow_list, hits, n, &crossing)) return STRAIGHT_LOST;
     if (UNLIKELY(crossing.n_faults) && !straight->mended) return STRAIGHT_CONTRADICTS;
     straight->n_crossings += n;
@@ -479,6 +513,8 @@ static inline StraightEnd cross_straight(Path *path, const Ray *ray, const Hit *
         if (lanes_zero(straight->panes)) return STRAIGHT_BLOCKED;
     }
     if (crossing.opaque || media_differ(path, crossing.medium_from, crossing.medium_to)) return STRAIGHT_BLOCKED;
+    if (UNLIKELY(world->has_paint) && painted_hit(world, hits, n, level, tracer->shadow_list.point.top.level))
+        return STRAIGHT_BLOCKED;
     straight->uneven = straight->uneven || uneven_here;
     if (LIKELY(!uneven_here))
         straight->depth = lanes_add(straight->depth, flight_depth(path, straight->medium, hits->t - straight->t_done));

@@ -249,7 +249,10 @@ Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, 
             world->scatters |= world->scene->media[i].scatters;
             world->disperses |= world_medium_disperses(world, i);
         }
-        for (uint32_t i = 0; i < world->scene->n_objects; i++) world->has_panes |= scene_is_pane(world->scene, i);
+        for (uint32_t i = 0; i < world->scene->n_objects; i++) {
+            world->has_panes |= scene_is_pane(world->scene, i);
+            world->has_paint |= scene_is_painted(world->scene, i);
+        }
         world->seeks_airlight = world->scatters && world_lights(world)->n;
         world->camera_list_moves = world->moves && camera_list_may_move(world);
         world->lens_crosses = lens_may_cross(world);

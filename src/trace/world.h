@@ -85,6 +85,7 @@ typedef struct World {
     bool no_absorption;
     Trial trial;
     bool has_panes;   /* thin sheets that rays towards lights go through */
+    bool has_paint;   /* boundaries that can be seen between media of one index */
     bool white_noise; /* pixels do not share out the work: for comparisons */
     uint32_t max_bounces;
     uint32_t long_way; /* bounces after which even paths that carry much are left to chance: half of these, and many */

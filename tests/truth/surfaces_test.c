@@ -231,6 +231,45 @@ static void films_interfere(void **state)
     }
 }
 
+/* A ball of which the part t is clear and the rest is painted with the albedo a, under a white sky, where no index differs:
+ * within, the radiance is B = t + (1 - t) a B everywhere, and from outside one sees (1 - t) a + t B. */
+static void paint_shows_without_boundaries(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *thing;
+        double transmission, clear;
+    } cases[] = {
+        {"medium g { ior = 1 } sphere { interior = g surface = %s }", .5, .5},
+        {"medium g { ior = 1.0001 } sphere { interior = g surface = %s }", .5, .5},
+        {"sphere { interior = air surface = %s }", .5, .5},
+        {"sphere { interior = air surface = %s }", 0, 0},
+        {"medium g { ior = 1 } sphere { interior = g surface = %s } sphere { interior = g  radius = .5 }", .5, .5},
+        {"medium g { ior = 1 } sphere { interior = g  radius = 2 } sphere { interior = g surface = %s }", .5, .5},
+        {"sphere { interior = air  radius = 2 } sphere { interior = air surface = %s }", .5, .5},
+        {"intersection { interior = air  surface = %s  sphere { } sphere { center = <.5, 0, -.5> } }", .5, .5},
+        {"sphere { interior = air  surface = surface { mix = [%s, surface { roughness = .3 }]  weight = .5 } }", 0, .5},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        const double t = cases[i].clear, a = .6;
+        char thing[400], text[900], paint[100];
+        snprintf(paint, sizeof paint, "surface { transmission = %g  albedo = %g }", cases[i].transmission, a);
+        truth_fill(thing, sizeof thing, cases[i].thing, paint);
+        snprintf(text, sizeof text, HEAD "%s camera { from = <0, 0, 6>  to = <0, 0, 0>  fov = 2deg }" TRUTH_WHITE_SKY,
+                 thing);
+        truth_expect(cases[i].thing, (1 - t) * a + t * t / (1 - (1 - t) * a), truth_measure(text, NULL, 1024, false), 4,
+                     0.002);
+    }
+    Estimate shadow = truth_measure(
+        HEAD
+        "sphere { interior = air  surface = surface { transmission = 0 } } light { shape = point  from = <0, 2, 0>  "
+        "intensity = 9 } ground { y = -1.5  surface = surface { } } camera { from = <0, -1.3, 2>  to = <0, -1.5, 0>  "
+        "fov = 2deg }",
+        NULL, 16, false);
+    truth_figure("the shadow of what is painted", 0, shadow.mean, 0);
+    assert_true(shadow.mean < 0.001); /* light that goes from the ball to the ground and back; with no ball it is 0.1 */
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -240,6 +279,7 @@ int main(void)
         cmocka_unit_test(surroundings_count),
         cmocka_unit_test(smooth_meshes_lose_nothing),
         cmocka_unit_test(films_interfere),
+        cmocka_unit_test(paint_shows_without_boundaries),
     };
     return cmocka_run_group_tests_name("surfaces", tests, make_folder, remove_folder);
 }

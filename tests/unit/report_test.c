@@ -276,6 +276,20 @@ static void remarks_tell_what_is_worth_a_look(void **state)
     }
 }
 
+/* What is painted shows, whatever it is of. */
+static void paint_is_seen(void **state)
+{
+    (void)state;
+    Fixture f;
+    fixture_compile(&f, GLASS "sphere a { interior = glass  surface = surface { transmission = .5 } }"
+                              "sphere b { interior = glass  radius = .5  surface = surface { transmission = 0 } }"
+                              "box c { interior = air  surface = surface { transmission = 0 }  size = <1, 1, 1> "
+                              "translate(<9, 0, 0>) }" VIEW, 1);
+    report_remarks(f.compiled, &f.diag);
+    assert_int_equal(f.diag.n_remarks, 0);
+    fixture_clear(&f);
+}
+
 /* What looks alike and is as it should be. */
 static void remarks_are_not_made_of_what_is_meant(void **state)
 {
@@ -540,6 +554,7 @@ int main(void)
         cmocka_unit_test(warnings_name_both_sides_of_a_gap),
         cmocka_unit_test(many_warnings_are_summed_up),
         cmocka_unit_test(remarks_tell_what_is_worth_a_look),
+        cmocka_unit_test(paint_is_seen),
         cmocka_unit_test(remarks_are_not_made_of_what_is_meant),
         cmocka_unit_test(enclosed_things_are_proved),
         cmocka_unit_test(what_may_be_seen_is_not_enclosed),
