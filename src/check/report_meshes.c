@@ -56,6 +56,18 @@ static void remark_overlap(const SceneObject *object, const MeshParts *parts, Di
     note_places(diag, report, object, &places);
 }
 
+static void remark_joined(const Scene *scene, const SceneObject *object, const MeshJoin *join, Diag *diag)
+{
+    Buf apart = {0};
+    const double(*m)[3] = object->to_world.m;
+    double scale = vec3_length(vec3(m[0][0], m[1][0], m[2][0]));
+    report_add_length(&apart, scene, join->farthest * scale);
+    diag_report(diag, D_MESH_JOINED, object->span,
+                "the mesh of %s was open by %s or less: %u of its vertices %s joined to others", object->name,
+                buf_text(&apart), (unsigned)join->n_joined, join->n_joined == 1 ? "is" : "are");
+    buf_clear(&apart);
+}
+
 static void warn_of_nested(const SceneObject *object, const MeshParts *parts, Diag *diag)
 {
     Diagnostic *report = diag_report(diag, D_MESH_PART_WITHIN, object->span,
@@ -111,6 +123,7 @@ Status report_mesh_crossings(const CompiledScene *compiled, Pool *pool, Diag *di
         bool encloses = object->medium != SCENE_NONE || object->part_of != SCENE_NONE;
         if (!scene->shapes[object->shape].mesh || !encloses || done[whole]) continue;
         done[whole] = true;
+        if (scene->shapes[whole].join.n_joined) remark_joined(scene, object, &scene->shapes[whole].join, diag);
         status = report_mesh(scene, object, object->shape, pool, diag, error);
     }
     free(done);

@@ -104,7 +104,12 @@ static Status describe_mesh(const char *path, Facts *facts, Error *error)
     Status status = mesh_load(path, &source, &mesh, error);
     MeshCrossings crossings = {0};
     MeshParts parts = {0};
+    MeshJoin join = {0};
     if (status == STATUS_OK) status = mesh_inspect(mesh, NULL, &report, error);
+    if (status == STATUS_OK && report.n_open_edges && report.finite) {
+        status = mesh_join(mesh, NULL, -1, NULL, &join, error);
+        if (status == STATUS_OK && join.n_joined) status = mesh_inspect(mesh, NULL, &report, error);
+    }
     if (status == STATUS_OK) status = mesh_find_crossings(mesh, NULL, &crossings, error);
     if (status == STATUS_OK && report.closed) status = mesh_find_parts(mesh, NULL, &parts, error);
     if (status == STATUS_OK) {
@@ -116,6 +121,7 @@ static Status describe_mesh(const char *path, Facts *facts, Error *error)
         add_truth(facts, "texture coordinates", mesh->uvs != NULL);
         add_truth(facts, "closed", report.closed);
         add_number(facts, "open edges", report.n_open_edges);
+        add_number(facts, "vertices joined to close it", join.n_joined);
         add_number(facts, "edges of more than two faces", report.n_non_manifold_edges);
         add_truth(facts, "faces agree on outside", report.consistent);
         add_truth(facts, "inside out", report.inside_out);

@@ -32,6 +32,21 @@ bool mesh_same_triangles(const Mesh *a, const Mesh *b);
 /* Merges vertices whose positions (and normals and uvs, where present) are equal bit by bit (-0 = 0), and
  * drops those that no triangle uses. The pool, here and below, may be NULL, and makes no difference to the result. */
 ATTR_NODISCARD Status mesh_weld(Mesh *mesh, Pool *pool, Error *error);
+/* Vertices that came to stand at one place. */
+typedef struct MeshJoin {
+    uint32_t n_joined; /* places that others took the place of; 0: nothing was joined */
+    double farthest;   /* the largest distance between two that are neighbours among these */
+} MeshJoin;
+
+/* Closes a mesh whose seams are open by the last bits: vertices on open edges that are within a distance of each other, and
+ * nearer than a quarter of the edges there, move to one place, if that leaves no edge open, crowds none and
+ * collapses no triangle; else the mesh stays as it is. within < 0: a millionth of the mesh's diagonal. end: NULL, or the same
+ * triangles later, whose vertices move alike. Positions that triangles use must be finite. O(n) memory. */
+ATTR_NODISCARD Status mesh_join(Mesh *mesh, Mesh *end, double within, Pool *pool, MeshJoin *join, Error *error);
+/* Looks for the distance within which mesh_join would close the mesh, up to `most` of its diagonal, and leaves it as it is: any from
+ * join->farthest to *within will do. join->n_joined 0: there is none. */
+ATTR_NODISCARD Status mesh_find_join(Mesh *mesh, double most, Pool *pool, MeshJoin *join, double *within, Error *error);
+
 /* Moves every vertex; a map that mirrors also turns the triangles round, so that outside stays outside. */
 void mesh_transform(Mesh *mesh, const Affine *transform);
 

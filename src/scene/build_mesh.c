@@ -112,10 +112,27 @@ static void report_dropped(Builder *b, const EvalNode *node, uint32_t n, const c
               (double)first.y, (double)first.z);
 }
 
-/* Drops what is of no use; the report is of what is left. */
-static Status clean(Builder *b, const EvalNode *node, Mesh *mesh, MeshReport *report, Error *error)
+/* Closes what is open by the last bits, or by as little as the node allows. */
+static Status join(Builder *b, const EvalNode *node, uint32_t shape, MeshReport *report, Error *error)
 {
+    SceneShape *row = &b->scene->shapes[shape];
+    const EvalProp *weld = eval_prop(node, "weld");
+    double to_scene = b->facts[shape].to_scene;
+    MeshJoin found;
+    if (!report->n_open_edges || !report->finite) return STATUS_OK;
+    TRY(mesh_join(row->mesh, row->mesh_end, weld ? weld->as.number / to_scene : -1, b->options->pool, &found, error));
+    if (!found.n_joined) return STATUS_OK;
+    if (!weld) row->join = found;
+    if (!row->mesh_end) TRY(mesh_weld(row->mesh, b->options->pool, error));
+    return mesh_inspect(row->mesh, b->options->pool, report, error);
+}
+
+/* Drops what is of no use; the report is of what is left. */
+static Status clean(Builder *b, const EvalNode *node, uint32_t shape, MeshReport *report, Error *error)
+{
+    Mesh *mesh = b->scene->shapes[shape].mesh;
     TRY(mesh_inspect(mesh, b->options->pool, report, error));
+    TRY(join(b, node, shape, report, error));
     Vec3f first_collapsed = {0, 0, 0}, first_duplicate = {0, 0, 0};
     uint32_t collapsed = report->n_degenerate ? drop_collapsed(mesh, &first_collapsed) : 0, duplicates = 0;
     if (report->n_duplicate) TRY(drop_duplicates(mesh, &duplicates, &first_duplicate, error));
@@ -148,13 +165,14 @@ bool build_finish_mesh(Builder *b, const EvalNode *node, uint32_t shape)
     ShapeFacts *facts = &b->facts[shape];
     Error error;
     MeshReport report;
-    Status status = clean(b, node, mesh, &report, &error);
+    Status status = clean(b, node, shape, &report, &error);
     if (status == STATUS_OK) status = turn(b, node, mesh, &report, &error);
     if (!build_succeeded(b, status, &error, node->span)) return false;
     facts->bounds = report.bounds;
     facts->volume = report.volume;
     facts->closed = report.closed;
     facts->consistent = report.consistent;
+    facts->finite = report.finite;
     facts->many_parts = report.n_components > 1 || report.n_non_manifold_edges > 0;
     facts->n_open_edges = report.n_open_edges;
     for (size_t i = 0; i < COUNT_OF(facts->open); i++) {
@@ -173,6 +191,45 @@ static void note_edge(Builder *b, Diagnostic *report, Span span, const char *wha
 {
     diag_note(b->diag, report, span, "%s from <%g, %g, %g> to <%g, %g, %g>", what, (double)p.x, (double)p.y,
               (double)p.z, (double)q.x, (double)q.y, (double)q.z);
+}
+
+/* The unit that suits a length. */
+static double unit_for(double length_m, const char **name)
+{
+    static const char *const names[] = {"m", "mm", "um", "nm"};
+    double unit_m = 1;
+    size_t i = 0;
+    for (; i + 1 < COUNT_OF(names) && length_m < unit_m; i++) unit_m /= 1000;
+    *name = names[i];
+    return unit_m;
+}
+
+/* Not less than a number and not more than another, of as few digits as may be. */
+static double short_number(double least, double most)
+{
+    for (int digits = 1; digits < 6; digits++) {
+        double step = pow(10, floor(log10(least)) + 1 - digits), rounded = ceil(least / step) * step;
+        if (rounded <= most) return rounded;
+    }
+    return most;
+}
+
+/* Which `weld` would close it. */
+static void hint_at_join(Builder *b, Diagnostic *report, uint32_t shape)
+{
+    const double largest = 0.02; /* of the mesh's size */
+    const ShapeFacts *facts = &b->facts[shape];
+    Mesh *mesh = b->scene->shapes[shape].mesh;
+    MeshJoin found;
+    double most;
+    Error error;
+    if (!mesh || !facts->finite ||
+        mesh_find_join(mesh, largest, b->options->pool, &found, &most, &error) != STATUS_OK || !found.n_joined)
+        return;
+    const char *name;
+    double scale = facts->to_scene * b->result.unit_m, to_unit = scale / unit_for(found.farthest * scale, &name);
+    diag_hint(b->diag, report, "vertices on these edges lie %.3g %s apart or less: weld = %.6g%s closes it",
+              found.farthest * to_unit, name, short_number(found.farthest * to_unit, most * to_unit), name);
 }
 
 void build_report_open(Builder *b, Span span, const char *name, uint32_t shape)
@@ -199,6 +256,7 @@ void build_report_open(Builder *b, Span span, const char *name, uint32_t shape)
                     name, (unsigned)facts->n_open_edges, facts->n_open_edges == 1 ? " has" : "s have");
     for (uint32_t i = 0; i < facts->n_open_edges && i < COUNT_OF(facts->open); i++)
         note_edge(b, report, span, "open edge", facts->open[i].a, facts->open[i].b);
+    hint_at_join(b, report, shape);
 }
 
 /* ---- the node ---- */
@@ -272,6 +330,14 @@ static bool load_next(Builder *b, const EvalProp *next, const char *part, bool s
     return false;
 }
 
+/* How long the file's unit is in scene units. */
+static double file_scale(const Builder *b, const EvalNode *node, uint32_t shape)
+{
+    const EvalProp *unit = eval_prop(node, "unit");
+    double file_unit_m = b->facts[shape].file_unit_m;
+    return unit ? unit->as.number : file_unit_m > 0 ? file_unit_m / b->result.unit_m : 1;
+}
+
 static bool load_files(Builder *b, const EvalNode *node, const EvalProp *file, const char *path, const char *part,
                        uint32_t shape)
 {
@@ -280,6 +346,7 @@ static bool load_files(Builder *b, const EvalNode *node, const EvalProp *file, c
     SceneShape *row = &b->scene->shapes[shape];
     if (!load_file(b, file, path, part, smooth, shape, &row->mesh)) return false;
     if (next && !load_next(b, next, part, smooth, shape)) return false;
+    b->facts[shape].to_scene = file_scale(b, node, shape);
     if (!build_finish_mesh(b, node, shape)) return false;
     if (!next) return true;
     row = &b->scene->shapes[shape];
@@ -297,9 +364,12 @@ static bool shape_of_file(Builder *b, const EvalNode *node, const EvalProp *file
     build_note_file(b, path);
     const EvalProp *part_prop = eval_prop(node, "part");
     const char *part = part_prop ? part_prop->as.text : NULL;
-    const EvalProp *next = eval_prop(node, "next_file");
+    const EvalProp *next = eval_prop(node, "next_file"), *weld = eval_prop(node, "weld"),
+                   *unit = eval_prop(node, "unit");
     const char *key = arena_format(b->arena, "mesh %d %s%s%s%s%s", smooth, path, part ? "\n" : "", part ? part : "",
                                    next ? "\nnext " : "", next ? next->as.text : "");
+    if (weld) /* a length of the scene, in the file's unit */
+        key = arena_format(b->arena, "%s\nweld %a %a", key, weld->as.number, unit ? unit->as.number : 0);
     *shape = build_shape_of(b, key, strlen(key), &found);
     return found || load_files(b, node, file, path, part, *shape);
 }
@@ -322,6 +392,7 @@ static bool mesh_shape(Builder *b, const EvalNode *node, uint32_t *shape)
     } else {
         const char *key = arena_format(b->arena, "mesh %p", (const void *)origin);
         *shape = build_shape_of(b, key, strlen(key), &found);
+        b->facts[*shape].to_scene = 1;
         if (!found) return fill_in_place(b, positions, triangles, *shape) && build_finish_mesh(b, node, *shape);
     }
     /* a shape that failed before has been reported before */
@@ -331,9 +402,7 @@ static bool mesh_shape(Builder *b, const EvalNode *node, uint32_t *shape)
 /* From the file's axes and unit to the scene's. */
 static Affine file_to_scene(const Builder *b, const EvalNode *node, uint32_t shape)
 {
-    const EvalProp *unit = eval_prop(node, "unit");
-    double file_unit_m = b->facts[shape].file_unit_m;
-    double s = unit ? unit->as.number : file_unit_m > 0 ? file_unit_m / b->result.unit_m : 1;
+    double s = file_scale(b, node, shape);
     if (strcmp(eval_word(node, "up"), "z") == 0) return (Affine){{{s, 0, 0}, {0, 0, s}, {0, -s, 0}}, {0, 0, 0}};
     return (Affine){{{s, 0, 0}, {0, s, 0}, {0, 0, s}}, {0, 0, 0}};
 }

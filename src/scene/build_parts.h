@@ -36,11 +36,12 @@ void *room_for_one(Arena *arena, void *items, uint32_t n, uint32_t *capacity, si
 typedef struct ShapeFacts {
     double volume; /* in the shape's own frame */
     Box3 bounds;
-    bool closed, consistent;
+    bool closed, consistent, finite;
     bool many_parts;      /* a mesh of several parts, which may overlap */
     uint32_t first_layer; /* see build_layers.c; 0: not looked for so far */
     bool reported_open;
     double file_unit_m; /* 0: not known */
+    double to_scene;    /* how long the file's unit is in scene units */
     uint32_t n_open_edges, n_non_manifold;
     struct {
         Vec3f a, b;

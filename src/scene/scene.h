@@ -125,6 +125,7 @@ typedef struct SceneShape { /* geometry that objects share; one of the two */
     Solid *solid;
     bool closed;     /* nothing but a camera within sees its inside */
     Mesh *mesh_end;  /* NULL, or what the mesh becomes while the shutter is open: the same triangles */
+    MeshJoin join;   /* of a mesh that was open by the last bits, unless the scene asked for that */
     MeshParts parts; /* of a mesh whose bodies overlap; n_layers 0: of none, or not known. Where it holds a medium, its
                         * layers are used in its place: shapes that follow each other, see build_layers.c */
     uint32_t layer_of; /* SCENE_NONE, or the mesh that this is a layer of */

@@ -44,6 +44,38 @@ tetrahedron 1 | sed 's/f 1 3 2//' > open.obj
 refuses_mesh open.obj "is open and encloses nothing: 3 edges have a face on one side only"
 end
 
+begin "meshes: seams that are open by rounding close, others as 'weld' says"
+torn() { # torn GAP: a tetrahedron whose first face has corners of its own, one of them off by that
+    printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 0 %s\nv 1 0 0\nv 0 1 0\nf 5 7 6\nf 1 2 4\nf 1 4 3\nf 2 3 4\n' "$1"
+}
+torn -1e-7 > seam.obj
+mesh_scene 'file = "seam.obj"' > scene.mns
+run check scene.mns
+exits 0
+says err "remark: the mesh of mesh 1 was open by 1.00 nm or less: 1 of its vertices is joined to others [mesh-joined]"
+run render scene.mns
+exits 0
+says_not err mesh-joined
+run info seam.obj
+matches out 'closed  *yes'
+matches out 'vertices joined to close it  *1$'
+mesh_scene 'file = "seam.obj"  weld = 0' > scene.mns
+refuses_mesh_of() { run check scene.mns; exits 3; says err "is open and encloses nothing"; }
+refuses_mesh_of
+says err "hint: vertices on these edges lie 1 nm apart or less: weld = 2nm closes it"
+torn -3e-4 > seam.obj
+mesh_scene 'file = "seam.obj"' > scene.mns
+refuses_mesh_of
+says err "hint: vertices on these edges lie 3 um apart or less: weld = 4um closes it"
+mesh_scene 'file = "seam.obj"  weld = 4um' 'file = "seam.obj"  weld = 40um  unit = 10cm  scale(.1)' > scene.mns
+run check scene.mns
+exits 0
+says_not err mesh-joined
+mesh_scene 'file = "seam.obj"  weld = 4um  unit = 10cm' > scene.mns
+refuses_mesh_of
+says err "weld = 40um closes it"
+end
+
 begin "meshes: what is dropped, and edges of several faces, are reported with places"
 { tetrahedron 1; printf 'f 4 2 3\nf 3 3 4\n'; } > extra.obj
 mesh_scene 'file = "extra.obj"' > scene.mns
