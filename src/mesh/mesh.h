@@ -53,6 +53,11 @@ void mesh_transform(Mesh *mesh, const Affine *transform);
 /* Makes the normals unit; one without length becomes the mean of its triangles' normals by area. */
 ATTR_NODISCARD Status mesh_normalize_normals(Mesh *mesh, Error *error);
 
+/* Gives the mesh normals at its vertices, in place of any that it has: those of the triangles around them, by their angles there, as
+ * far as edges lead from one to the next at which two triangles turn by less than crease_rad; at other edges vertices are split.
+ * Positions and triangles stay what they are. end: NULL, or the same triangles later, whose vertices are split alike. O(n). */
+ATTR_NODISCARD Status mesh_make_normals(Mesh *mesh, Mesh *end, double crease_rad, Pool *pool, Error *error);
+
 /* What closedness means: every undirected edge, by position, is used equally often in both directions. */
 typedef struct MeshReport {
     uint32_t n_open_edges;         /* edges used in one direction more than in the other */

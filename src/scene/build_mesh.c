@@ -11,6 +11,8 @@
 #include "mesh/mesh_file.h"
 #include "scene/build_parts.h"
 
+static const double degree = 3.14159265358979323846 / 180;
+
 static bool same_point(Vec3f a, Vec3f b)
 {
     return a.x == b.x && a.y == b.y && a.z == b.z;
@@ -338,21 +340,33 @@ static double file_scale(const Builder *b, const EvalNode *node, uint32_t shape)
     return unit ? unit->as.number : file_unit_m > 0 ? file_unit_m / b->result.unit_m : 1;
 }
 
+/* Normals that are made of the mesh as it was mended. */
+static bool make_normals(Builder *b, const EvalNode *node, uint32_t shape)
+{
+    const EvalProp *crease = eval_prop(node, "crease");
+    SceneShape *row = &b->scene->shapes[shape];
+    Error error;
+    if (!crease) return true;
+    Status status = mesh_make_normals(row->mesh, row->mesh_end, crease->as.number * degree, b->options->pool, &error);
+    return build_succeeded(b, status, &error, node->span);
+}
+
 static bool load_files(Builder *b, const EvalNode *node, const EvalProp *file, const char *path, const char *part,
                        uint32_t shape)
 {
     const EvalProp *next = eval_prop(node, "next_file");
-    bool smooth = eval_truth(node, "smooth");
+    bool smooth = eval_truth(node, "smooth") && !eval_prop(node, "crease");
     SceneShape *row = &b->scene->shapes[shape];
     if (!load_file(b, file, path, part, smooth, shape, &row->mesh)) return false;
     if (next && !load_next(b, next, part, smooth, shape)) return false;
     b->facts[shape].to_scene = file_scale(b, node, shape);
     if (!build_finish_mesh(b, node, shape)) return false;
-    if (!next) return true;
     row = &b->scene->shapes[shape];
-    row->mesh_end->n_triangles = row->mesh->n_triangles; /* some may have been dropped */
-    memcpy(row->mesh_end->triangles, row->mesh->triangles, row->mesh->n_triangles * sizeof *row->mesh->triangles);
-    return true;
+    if (next) {
+        row->mesh_end->n_triangles = row->mesh->n_triangles; /* some may have been dropped */
+        memcpy(row->mesh_end->triangles, row->mesh->triangles, row->mesh->n_triangles * sizeof *row->mesh->triangles);
+    }
+    return make_normals(b, node, shape);
 }
 
 /* The shape that a file holds; false after reporting. */
@@ -365,11 +379,12 @@ static bool shape_of_file(Builder *b, const EvalNode *node, const EvalProp *file
     const EvalProp *part_prop = eval_prop(node, "part");
     const char *part = part_prop ? part_prop->as.text : NULL;
     const EvalProp *next = eval_prop(node, "next_file"), *weld = eval_prop(node, "weld"),
-                   *unit = eval_prop(node, "unit");
+                   *unit = eval_prop(node, "unit"), *crease = eval_prop(node, "crease");
     const char *key = arena_format(b->arena, "mesh %d %s%s%s%s%s", smooth, path, part ? "\n" : "", part ? part : "",
                                    next ? "\nnext " : "", next ? next->as.text : "");
     if (weld) /* a length of the scene, in the file's unit */
         key = arena_format(b->arena, "%s\nweld %a %a", key, weld->as.number, unit ? unit->as.number : 0);
+    if (crease) key = arena_format(b->arena, "%s\ncrease %a", key, crease->as.number);
     *shape = build_shape_of(b, key, strlen(key), &found);
     return found || load_files(b, node, file, path, part, *shape);
 }
@@ -393,7 +408,9 @@ static bool mesh_shape(Builder *b, const EvalNode *node, uint32_t *shape)
         const char *key = arena_format(b->arena, "mesh %p", (const void *)origin);
         *shape = build_shape_of(b, key, strlen(key), &found);
         b->facts[*shape].to_scene = 1;
-        if (!found) return fill_in_place(b, positions, triangles, *shape) && build_finish_mesh(b, node, *shape);
+        if (!found)
+            return fill_in_place(b, positions, triangles, *shape) && build_finish_mesh(b, node, *shape) &&
+                   make_normals(b, node, *shape);
     }
     /* a shape that failed before has been reported before */
     return b->scene->shapes[*shape].mesh && b->scene->shapes[*shape].mesh->n_triangles;

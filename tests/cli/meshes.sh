@@ -180,3 +180,26 @@ for which in 0 1 2 3 4; do
     says err 'folds over itself'
 done
 end
+
+begin "meshes: 'crease' shades smoothly what has no normals, in file and in place"
+tetrahedron 1 > t.obj
+places='positions = [<0, 0, 0>, <1, 0, 0>, <0, 1, 0>, <0, 0, 1>]  triangles = [<0, 2, 1>, <0, 1, 3>, <0, 3, 2>, <1, 2, 3>]'
+n=0
+for mesh in 'file = "t.obj"' 'file = "t.obj"  crease = 50deg' 'file = "t.obj"  crease = 130deg' "$places  crease = 130deg"; do
+    n=$((n + 1))
+    mesh_scene "$mesh" > "$n.mns"
+    run render "$n.mns" -o "$n.exr"
+    exits 0
+    says err " 0 nesting faults"
+done
+run compare 1.exr 2.exr --max-rmse 0
+exits 0
+run compare 1.exr 3.exr --max-rmse .01
+exits 1
+run compare 3.exr 4.exr --max-rmse 0
+exits 0
+mesh_scene 'file = "t.obj"' 'file = "t.obj"  crease = 130deg  translate(<3, 0, 0>)' > scene.mns
+run render scene.mns -o both.exr
+run compare 1.exr both.exr --max-rmse 0
+exits 0
+end
