@@ -14,6 +14,8 @@ void report_lost_lights(const CompiledScene *compiled, Diag *diag);
 void report_endless(const CompiledScene *compiled, Diag *diag);
 /* And of each volume that covers next to nothing of an object whose medium varies by it. */
 void report_small_volumes(const CompiledScene *compiled, Diag *diag);
+/* And of each mesh of which a part lies within another and faces outward. */
+void report_nested_parts(const CompiledScene *compiled, Diag *diag);
 /* Adds warnings of closed meshes that cross or overlap themselves. Takes about half a second for a million triangles. */
 ATTR_NODISCARD Status report_mesh_crossings(const CompiledScene *compiled, Pool *pool, Diag *diag, Error *error);
 /* And remarks: what is as likely meant as not, such as sizes that do not go together. Call it after the warnings. */

@@ -103,9 +103,30 @@ static Status report_mesh(const Scene *scene, const SceneObject *object, uint32_
     if (all.n || all.gave_up) warn_of_crossings(object, &all, diag);
     if (whole == SCENE_NONE) return STATUS_OK;
     const MeshParts *parts = &scene->shapes[whole].parts;
-    if (parts->n_within) warn_of_nested(object, parts, diag);
     if (parts->n_within < parts->n_overlapping - 1 || parts->gave_up) remark_overlap(object, parts, diag);
     return STATUS_OK;
+}
+
+/* Whether an object with an inside is the first of those that share its mesh; the shape that is the whole mesh then. */
+static bool is_first_of_mesh(const Scene *scene, const SceneObject *object, bool *done, uint32_t *whole)
+{
+    if (object->shape == SCENE_NONE) return false;
+    uint32_t layer_of = scene->shapes[object->shape].layer_of;
+    *whole = layer_of == SCENE_NONE ? object->shape : layer_of;
+    bool encloses = object->medium != SCENE_NONE || object->part_of != SCENE_NONE;
+    if (!scene->shapes[object->shape].mesh || !encloses || done[*whole]) return false;
+    return done[*whole] = true;
+}
+
+void report_nested_parts(const CompiledScene *compiled, Diag *diag)
+{
+    const Scene *scene = compiled->scene;
+    bool *done = calloc(scene->n_shapes + 1U, sizeof *done);
+    uint32_t whole;
+    for (uint32_t i = 0; done && i < scene->n_objects; i++)
+        if (is_first_of_mesh(scene, &scene->objects[i], done, &whole) && scene->shapes[whole].parts.n_within)
+            warn_of_nested(&scene->objects[i], &scene->shapes[whole].parts, diag);
+    free(done);
 }
 
 /* Objects that share a mesh get one report, at the first of them. */
@@ -115,14 +136,10 @@ Status report_mesh_crossings(const CompiledScene *compiled, Pool *pool, Diag *di
     bool *done = calloc(scene->n_shapes + 1U, sizeof *done);
     if (!done) return fail_memory(error, scene->n_shapes, "the report of meshes");
     Status status = STATUS_OK;
+    uint32_t whole;
     for (uint32_t i = 0; i < scene->n_objects && status == STATUS_OK; i++) {
         const SceneObject *object = &scene->objects[i];
-        if (object->shape == SCENE_NONE) continue;
-        uint32_t layer_of = scene->shapes[object->shape].layer_of,
-                 whole = layer_of == SCENE_NONE ? object->shape : layer_of;
-        bool encloses = object->medium != SCENE_NONE || object->part_of != SCENE_NONE;
-        if (!scene->shapes[object->shape].mesh || !encloses || done[whole]) continue;
-        done[whole] = true;
+        if (!is_first_of_mesh(scene, object, done, &whole)) continue;
         if (scene->shapes[whole].join.n_joined) remark_joined(scene, object, &scene->shapes[whole].join, diag);
         status = report_mesh(scene, object, object->shape, pool, diag, error);
     }

@@ -146,4 +146,5 @@ void report_warnings(const CompiledScene *compiled, Diag *diag)
     report_lost_lights(compiled, diag);
     report_endless(compiled, diag);
     report_small_volumes(compiled, diag);
+    report_nested_parts(compiled, diag);
 }

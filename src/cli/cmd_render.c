@@ -190,12 +190,13 @@ static Status render_and_write(RenderRun *run, Error *error)
 }
 
 /* What a picture would be without, and not look wrong for; and what it would take for ever. */
-static void warn_of_light(void *context)
+static void warn_of_losses(void *context)
 {
     RenderRun *run = context;
     report_lost_lights(run->input.compiled, &run->input.diag);
     report_endless(run->input.compiled, &run->input.diag);
     report_small_volumes(run->input.compiled, &run->input.diag);
+    report_nested_parts(run->input.compiled, &run->input.diag);
 }
 
 /* The input's scene is at the frame. */
@@ -203,7 +204,7 @@ static Status render_frame(RenderRun *run, Error *error)
 {
     Status status = render_settings_merge(run, error);
     if (status == STATUS_OK) status = scene_input_compile(&run->input, run->pool, error);
-    if (status == STATUS_OK) status = scene_input_guard(&run->input, warn_of_light, run, error);
+    if (status == STATUS_OK) status = scene_input_guard(&run->input, warn_of_losses, run, error);
     if (status == STATUS_OK) status = compiled_share_levels(run->input.compiled, error);
     TRY(print_findings(run, status, error));
     note_scene(run);

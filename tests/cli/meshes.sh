@@ -135,6 +135,23 @@ matches out '^pieces that overlap +2$'
 matches out '^pieces within pieces +0$'
 end
 
+begin "meshes: a part within another that faces outward is told of, in renders, too"
+{ tetrahedron 1; tetrahedron .5 | sed -n 's/^v \([^ ]*\) \([^ ]*\) \([^ ]*\)/v \1.1 \2.1 \3.1/p; s/\.5\.1/.3/g' | sed 's/\.5\.1/.3/g'; printf 'f 5 7 6\nf 5 6 8\nf 5 8 7\nf 6 7 8\n'; } > shell.obj
+mesh_scene 'file = "shell.obj"' > scene.mns
+for command in check render; do
+    run "$command" scene.mns
+    exits 0
+    says err "1 part of the mesh of mesh 1 lies within another and adds nothing"
+    says err "[mesh-part-within]"
+    [ "$(grep -c mesh-part-within err)" = 1 ] || flunk "it is told of several times"
+done
+sed 's/f 5 7 6/f 5 6 7/; s/f 5 6 8/f 5 8 6/; s/f 5 8 7/f 5 7 8/; s/f 6 7 8/f 6 8 7/' shell.obj > hollow.obj
+mesh_scene 'file = "hollow.obj"' > scene.mns
+run render scene.mns
+exits 0
+says_not err mesh-part-within
+end
+
 begin "meshes: parts, units, and what has no effect without a file"
 { echo 'o one'; tetrahedron 1; echo 'o two'; tetrahedron 2 | sed '/^f/d'; printf 'f -4 -2 -3\nf -4 -3 -1\nf -4 -1 -2\nf -3 -2 -1\n'; } > two.obj
 run info two.obj

@@ -42,6 +42,7 @@ static void meshes_are_reported_once(void **state)
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         Fixture f;
         fixture_compile(&f, cases[i].text, 1);
+        report_nested_parts(f.compiled, &f.diag);
         assert_int_equal(report_mesh_crossings(f.compiled, NULL, &f.diag, &f.error), STATUS_OK);
         int n = 0;
         for (const Diagnostic *d = f.diag.first; d; d = d->next)
