@@ -90,9 +90,24 @@ static void show_picture(void *context, const Image *image)
     if (run->preview_failed) talk_warning(run->talk, "%s; the render goes on without a preview", error.text);
 }
 
+/* The scene has changed, and this would be no picture of it. */
+static bool is_given_up(void)
+{
+    return *signals_stop() && !*signals_flag();
+}
+
 static void save_state(void *context, const RenderState *state, bool asked)
 {
     render_save(context, state, asked);
+}
+
+/* What is made of it is made afterwards: a second signal then finds it kept. */
+static void save_stopped(void *context)
+{
+    RenderRun *run = context;
+    if (is_given_up()) return;
+    run->checkpoint.status = render_write_checkpoint(run, &run->checkpoint.error);
+    run->checkpoint.kept = true;
 }
 
 static Status render(RenderRun *run, Error *error)
@@ -101,6 +116,7 @@ static Status render(RenderRun *run, Error *error)
     RenderEvents events = {.context = run, .progress = show_progress, .stop = signals_stop()};
     if (run->preview.kind != PREVIEW_NONE) events.picture = show_picture;
     events.save = save_state;
+    events.stopped = save_stopped;
     events.wish = signals_wish();
     events.save_interval_s = run->checkpoint.interval_s;
     Status status = render_go_on(run->input.compiled, settings, run->pool, &events, &run->state, &run->image, &run->stats, error);
@@ -138,6 +154,14 @@ static Status refuse_empty(RenderRun *run, Error *error)
     return STATUS_OK;
 }
 
+/* The checkpoint of a render that was stopped, unless it was written before its picture was made. */
+static Status keep_checkpoint(RenderRun *run, Error *error)
+{
+    if (!run->checkpoint.kept) return render_write_checkpoint(run, error);
+    if (run->checkpoint.status != STATUS_OK) *error = run->checkpoint.error;
+    return run->checkpoint.status;
+}
+
 /* What was rendered: its checkpoint first, and none when all is done and written. */
 static Status keep(RenderRun *run, Error *error)
 {
@@ -147,7 +171,7 @@ static Status keep(RenderRun *run, Error *error)
         guide_search_free(run->state.search);
         run->state.search = NULL;
     }
-    Status status = stopped || run->checkpoint.stays ? render_write_checkpoint(run, error) : STATUS_OK;
+    Status status = stopped || run->checkpoint.stays ? keep_checkpoint(run, error) : STATUS_OK;
     if (render_has_frames(run) && *signals_flag()) return status;
     if (stopped && run->stats.most_samples == 0) return refuse_empty(run, error);
     if (status != STATUS_OK) talk_error(run->talk, error);
@@ -171,12 +195,6 @@ static Status keep(RenderRun *run, Error *error)
         if (render_write_checkpoint(run, &own) != STATUS_OK) talk_error(run->talk, &own);
     }
     return written;
-}
-
-/* The scene has changed, and this would be no picture of it. */
-static bool is_given_up(void)
-{
-    return *signals_stop() && !*signals_flag();
 }
 
 static Status render_and_write(RenderRun *run, Error *error)

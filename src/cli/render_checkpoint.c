@@ -189,7 +189,7 @@ static bool asks_for_more(const CheckpointNotes *notes, const RenderSettings *se
 Status render_resume(RenderRun *run, Error *error)
 {
     render_state_clear(&run->state);
-    run->checkpoint.stays = false;
+    run->checkpoint.stays = run->checkpoint.kept = false;
     const char *path = option_given(run->options, OPTION_RESUME) ? find_source(run) : NULL;
     if (!path) return STATUS_OK;
     Checkpoint file;

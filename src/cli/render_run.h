@@ -16,6 +16,10 @@ typedef struct RenderKeeping {
     bool stays;
     uint32_t samples; /* which that asks for */
     double noise;
+    /* It was written when the render was stopped, or this is why not. */
+    bool kept;
+    Status status;
+    Error error;
 } RenderKeeping;
 
 /* What the texts of facts point into. */

@@ -742,9 +742,11 @@ Status render_go_on(const CompiledScene *compiled, const RenderSettings *setting
     bool too_early = (is_stopped(&job) || stats->searching) && job.first_samples == 0;
     Spread spread = {0};
     if (status == STATUS_OK) status = take_samples(&job, stats, error);
+    if (status == STATUS_OK) sum_counters(&job, state);
+    if (status == STATUS_OK && stats->stopped && !too_early && events && events->stopped)
+        events->stopped(events->context);
     if (status == STATUS_OK) status = find_spread(state, pool, &spread, stats, error);
     if (status == STATUS_OK) {
-        sum_counters(&job, state);
         stats->noisy_pixels = job.plan.unmet;
         status = resolve(state, &spread, pool, image, stats, error);
         stats->seconds = clock_now_s() - job.start;

@@ -90,6 +90,9 @@ typedef struct RenderEvents {
     void (*save)(void *context, const struct RenderState *state, bool asked);
     volatile sig_atomic_t *wish;
     double save_interval_s;
+    /* The render was stopped, and the state is what it goes on from. The picture is not made so far, which takes its time. May be
+     * NULL; not called where the samples will not stay. */
+    void (*stopped)(void *context);
 } RenderEvents;
 
 /* All that the samples of a render, or of a slice of it, have come to: with the scene, the settings and this it goes on as if it

@@ -37,6 +37,30 @@ exits 143
 no_leftovers
 end
 
+begin "a checkpoint is there before the picture is made, and a second signal leaves it"
+long_scene
+"$program" render long.mns --size 3000x2000 --denoise on --checkpoint 5m -o a.exr 2> err &
+child=$!
+sleep 2
+kill -TERM $child
+n=0
+while [ ! -e a.checkpoint.exr ] && [ $n -lt 200 ] && kill -0 $child 2> /dev/null; do
+    n=$((n + 1))
+    sleep 0.05
+done
+there a.checkpoint.exr
+gone a.exr
+kill -TERM $child || flunk "it has ended already"
+wait $child 2> /dev/null
+status=$?
+exits 143
+gone a.exr
+no_leftovers
+run info a.checkpoint.exr
+exits 0
+matches out '^dataWindow +0 0  2999 1999$'
+end
+
 begin "an ignored signal stays ignored"
 small_scene
 (trap '' HUP; "$program" render small.mns -o a.exr -t 1 -s 16777216 2> err & child=$!; sleep 0.4; kill -HUP $child; wait $child)
