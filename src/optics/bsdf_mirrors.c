@@ -63,11 +63,11 @@ static float film_reflectance(float cosine, float eta, float phase)
     return sum;
 }
 
-/* What the whole sheet reflects and transmits of light at an angle to it: the sums of two geometric series. */
+/* What the whole sheet reflects and transmits of light at an angle to it. Between its sides each polarization keeps to itself:
+ * of each the sums of two geometric series, and the means of both. */
 static void sheet_split(const BsdfSheet *sheet, float cosine, Lanes *reflected, Lanes *transmitted)
 {
-    Lanes once = fresnel_dielectric_lanes(cosine, lanes_all(1), sheet->eta);
-    Lanes through = lanes_all(1);
+    Lanes through = lanes_all(1), once[2];
     if (sheet->tinted) {
         Lanes sine_square = lanes_div(lanes_all((1 - cosine) * (1 + cosine)), lanes_mul(sheet->eta, sheet->eta));
         Lanes inside = lanes_sqrt(lanes_clamp(lanes_rest(sine_square), 1e-6f, 1));
@@ -79,16 +79,15 @@ static void sheet_split(const BsdfSheet *sheet, float cosine, Lanes *reflected, 
         *transmitted = lanes_mul(lanes_rest(*reflected), through);
         return;
     }
-    Lanes rest = lanes_rest(once), back = lanes_mul(once, through);
-    Lanes entered =
-        lanes_div(lanes_mul(lanes_mul(rest, rest), through), lanes_clamp(lanes_rest(lanes_mul(back, back)), 1e-12f, 1));
-    *transmitted = entered;
-    *reflected = lanes_add(once, lanes_mul(entered, back));
-    for (int i = 0; i < LANES; i++)
-        if (!(lanes_get(once, i) < 1)) { /* total, or grazing */
-            lanes_set(reflected, i, 1);
-            lanes_set(transmitted, i, 0);
-        }
+    fresnel_dielectric_polarized(cosine, lanes_all(1), sheet->eta, once);
+    *reflected = *transmitted = lanes_all(0);
+    for (int i = 0; i < 2; i++) { /* what reflects all lets nothing in */
+        Lanes rest = lanes_rest(once[i]), back = lanes_mul(once[i], through);
+        Lanes entered = lanes_div(lanes_mul(lanes_mul(rest, rest), through),
+                                  lanes_clamp(lanes_rest(lanes_mul(back, back)), 1e-12f, 1));
+        *transmitted = lanes_add(*transmitted, lanes_scale(entered, 0.5f));
+        *reflected = lanes_add(*reflected, lanes_scale(lanes_add(once[i], lanes_mul(entered, back)), 0.5f));
+    }
 }
 
 void sheet_evaluate(const BsdfSheet *sheet, Vec3f view, Vec3f light, Lanes *f_cos, Lanes *pdf_w)

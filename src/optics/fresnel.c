@@ -42,18 +42,30 @@ static inline Crossing crossing(float cos_i, Lanes eta_i, Lanes eta_t)
     return c;
 }
 
-/* Branch-free: all outcomes are made and one is chosen. */
-static inline Lanes crossing_reflectance(const Crossing *c, float cos_i)
+/* r_s and r_p, up to sign, where reflection is not total. */
+static inline void crossing_amplitudes(const Crossing *c, float cos_i, Lanes *r_s, Lanes *r_p)
 {
-    const Lanes zero = lanes_all(0), one = lanes_all(1);
     Lanes square_i = lanes_mul(c->eta_i, c->eta_i), square_t = lanes_mul(c->eta_t, c->eta_t);
-    Lanes share = lanes_mul(c->d, c->per_sum), r_s = lanes_mul(share, c->per_sum);
+    Lanes share = lanes_mul(c->d, c->per_sum);
     Lanes brewster = lanes_sub(lanes_mul(c->a, c->b), lanes_scale(square_i, (1 - cos_i) * (1 + cos_i)));
     Lanes below = lanes_add(lanes_mul(square_t, c->a), lanes_mul(square_i, c->b));
-    Lanes r_p = lanes_div(lanes_mul(share, brewster), lanes_add(below, lanes_all(FLT_MIN)));
-    Lanes partial = lanes_scale(lanes_add(lanes_mul(r_s, r_s), lanes_mul(r_p, r_p)), 0.5f);
+    *r_s = lanes_mul(share, c->per_sum);
+    *r_p = lanes_div(lanes_mul(share, brewster), lanes_add(below, lanes_all(FLT_MIN)));
+}
+
+/* Branch-free: all outcomes are made and one is chosen. */
+static inline Lanes crossing_choose(const Crossing *c, Lanes partial)
+{
+    const Lanes zero = lanes_all(0), one = lanes_all(1);
     Lanes reflectance = lanes_select_less(zero, c->b, lanes_lesser(partial, one), one);
     return lanes_select_less(zero, lanes_abs(c->d), reflectance, zero);
+}
+
+static inline Lanes crossing_reflectance(const Crossing *c, float cos_i)
+{
+    Lanes r_s, r_p;
+    crossing_amplitudes(c, cos_i, &r_s, &r_p);
+    return crossing_choose(c, lanes_scale(lanes_add(lanes_mul(r_s, r_s), lanes_mul(r_p, r_p)), 0.5f));
 }
 
 float fresnel_dielectric(float cos_i, float eta_i, float eta_t)
@@ -66,6 +78,16 @@ Lanes fresnel_dielectric_lanes(float cos_i, Lanes eta_i, Lanes eta_t)
     cos_i = clamp_cosine(cos_i);
     Crossing c = crossing(cos_i, eta_i, eta_t);
     return crossing_reflectance(&c, cos_i);
+}
+
+void fresnel_dielectric_polarized(float cos_i, Lanes eta_i, Lanes eta_t, Lanes reflectance[2])
+{
+    Lanes r_s, r_p;
+    cos_i = clamp_cosine(cos_i);
+    Crossing c = crossing(cos_i, eta_i, eta_t);
+    crossing_amplitudes(&c, cos_i, &r_s, &r_p);
+    reflectance[0] = crossing_choose(&c, lanes_mul(r_s, r_s));
+    reflectance[1] = crossing_choose(&c, lanes_mul(r_p, r_p));
 }
 
 Lanes fresnel_dielectric_pair(Lanes cos_i, Lanes cos_t, Lanes eta_i, Lanes eta_t)

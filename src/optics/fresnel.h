@@ -15,6 +15,8 @@
 float fresnel_dielectric(float cos_i, float eta_i, float eta_t);
 /* The same per wavelength. */
 Lanes fresnel_dielectric_lanes(float cos_i, Lanes eta_i, Lanes eta_t);
+/* Of light polarized across the plane of incidence, and along it. Their mean is the same. */
+void fresnel_dielectric_polarized(float cos_i, Lanes eta_i, Lanes eta_t, Lanes reflectance[2]);
 /* The same where both cosines (above 0) of a refracted ray are known, per wavelength. */
 Lanes fresnel_dielectric_pair(Lanes cos_i, Lanes cos_t, Lanes eta_i, Lanes eta_t);
 /* How often reflection is to be chosen by a path, where what is not reflected goes on, and it is so bright in the two

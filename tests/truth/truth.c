@@ -292,6 +292,13 @@ double truth_fresnel(double cosine, double ior_from, double ior_to)
     return (s * s + p * p) / 2;
 }
 
+double truth_pane(double cosine, double ior)
+{
+    double inside = sqrt(1 - (1 - cosine * cosine) / (ior * ior));
+    double s = (cosine - ior * inside) / (cosine + ior * inside), p = (ior * cosine - inside) / (ior * cosine + inside);
+    return 0.5 * (1 - s * s) / (1 + s * s) + 0.5 * (1 - p * p) / (1 + p * p);
+}
+
 double truth_two_skies(double elevation)
 {
     return elevation > 0.4 ? 3 : 0.2;

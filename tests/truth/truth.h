@@ -95,6 +95,8 @@ void truth_print_faults(const char *what, const FaultCount *count);
 /* Unpolarized Fresnel reflectance of a smooth boundary, cosine of incidence against the normal, in double and
  * independent of the renderer's: Born and Wolf, Principles of Optics, section 1.5.2. */
 double truth_fresnel(double cosine, double ior_from, double ior_to);
+/* What a clear pane lets through: of each polarization the sum over all its reflections within. */
+double truth_pane(double cosine, double ior);
 
 /* A bright sky above a dim one, by the elevation. */
 double truth_two_skies(double elevation);

@@ -532,6 +532,34 @@ static void sheets_lean_towards_light(void **unused)
     assert_true(often[1] > 4 * often[0] && often[1] <= 0.5 && often[2] < 0.3 * often[0] && often[3] > 2 * often[0]);
 }
 
+/* A pane of glass: of each polarization 2 R / (1 + R), with R of one side, and the mean of both. Rough ones do so at each facet:
+ * where these are nearly even, the same light is reflected and passed on in sum. */
+static void panes_reflect_each_polarization(void **unused)
+{
+    (void)unused;
+    const double degrees[] = {0, 30, 60, 75, 89}, told[] = {.0769, .0793, .1519, .3819, .9493};
+    for (size_t i = 0; i < 5; i++) {
+        const double n = 1.5, cosine = cos(degrees[i] * 3.14159265358979 / 180), sine = sqrt(1 - cosine * cosine);
+        double inside = sqrt(1 - sine * sine / (n * n)), across = (cosine - n * inside) / (cosine + n * inside),
+               along = (n * cosine - inside) / (n * cosine + inside), r_s = across * across, r_p = along * along;
+        double expected = r_s / (1 + r_s) + r_p / (1 + r_p);
+        Bsdf bsdf;
+        bsdf_begin(&bsdf);
+        bsdf_add_sheet(&bsdf, 1, lanes_all((float)n), 0, 0, lanes_all(1), lanes_all(0));
+        double passed = (double)lanes_get(bsdf_straight(&bsdf, (float)cosine), 0);
+        assert_true(fabs(expected - told[i]) < 6e-5);
+        assert_true(fabs(1 - passed - expected) < 1e-5);
+        /* tinted glass: each part of the light that is within goes through t to the other side */
+        const double tint = .5, t = pow(tint, 1 / inside);
+        bsdf_begin(&bsdf);
+        bsdf_add_sheet(&bsdf, 1, lanes_all((float)n), 0, 0, lanes_all((float)tint), lanes_all(0));
+        expected = .5 * (1 - r_s) * (1 - r_s) * t / (1 - r_s * r_s * t * t) +
+                   .5 * (1 - r_p) * (1 - r_p) * t / (1 - r_p * r_p * t * t);
+        passed = (double)lanes_get(bsdf_straight(&bsdf, (float)cosine), 0);
+        assert_true(fabs(passed - expected) < 1e-5);
+    }
+}
+
 static void speed_is_printed(void **unused)
 {
     (void)unused;
@@ -581,6 +609,7 @@ int main(void)
         cmocka_unit_test(any_surface_is_consistent),  cmocka_unit_test(weights_are_what_is_evaluated),
         cmocka_unit_test(both_ways_are_alike),        cmocka_unit_test(nothing_breaks_it),
         cmocka_unit_test(smooth_is_the_limit),        cmocka_unit_test(sheets_lean_towards_light),
+        cmocka_unit_test(panes_reflect_each_polarization),
         cmocka_unit_test(kept_layers_are_the_same),   cmocka_unit_test(speed_is_printed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

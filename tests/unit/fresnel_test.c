@@ -46,6 +46,25 @@ static void known_values(void **unused)
     assert_float_equal(fresnel_dielectric(-1e-7f, 1, 1.5f), 1, 0);
 }
 
+/* Both polarizations, which are the mean together. */
+static void polarized(void **unused)
+{
+    (void)unused;
+    Lanes both[2];
+    uint32_t state = 7;
+    fresnel_dielectric_polarized(cosf(atanf(1.5f)), lanes_all(1), lanes_all(1.5f), both);
+    assert_float_equal(lanes_get(both[1], 0), 0, 1e-7f);
+    fresnel_dielectric_polarized(0.3f, lanes_all(1.5f), lanes_all(1), both); /* total */
+    assert_true(lanes_get(both[0], 0) == 1 && lanes_get(both[1], 0) == 1);
+    for (int i = 0; i < 100000; i++) {
+        float cos_i = random_unit(&state), eta_i = 1 + random_unit(&state), eta_t = 1 + 2 * random_unit(&state);
+        fresnel_dielectric_polarized(cos_i, lanes_all(eta_i), lanes_all(eta_t), both);
+        assert_true(lanes_get(both[0], 2) >= lanes_get(both[1], 2) - 1e-6f);
+        assert_float_equal(0.5f * (lanes_get(both[0], 2) + lanes_get(both[1], 2)), fresnel_dielectric(cos_i, eta_i, eta_t),
+                           1e-6f);
+    }
+}
+
 static void exact_at_random(void **unused)
 {
     (void)unused;
@@ -232,6 +251,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(circle_is_even),
         cmocka_unit_test(known_values),
+        cmocka_unit_test(polarized),
         cmocka_unit_test(exact_at_random),
         cmocka_unit_test(lanes_agree_with_one),
         cmocka_unit_test(equal_indices_vanish),
