@@ -13,7 +13,7 @@
  * had clouds of violet and green. */
 enum { NEAR = 2, NEAR_ENOUGH = 20, FAR_ENOUGH = 256 };
 /* So many next to each other are something small, if there are few more in a disc of a larger radius than this. */
-enum { TOGETHER = 5, A_GOOD_WAY = 6 };
+enum { TOGETHER = 10, A_GOOD_WAY = 6 };
 /* Pixels around a sample, for what they have of comparable ones. */
 enum { BESIDE = 2 };
 /* What samples add to what is usual, spread, that is not seen; and what is a haze that is better than a dot. */
