@@ -150,10 +150,11 @@ static void draw_again(const float u[2], float again[2])
     again[1] = hash_to_unit_f(hash_combine(~second, first));
 }
 
-/* Of the directions that facets send light to, those that others hide, or that lead to the wrong side, are what one facet misses:
- * there the other lobe is sampled, as often as its table says but for the table's errors. All directions so have weights of about 1, and a path
- * that is reflected totally many times in rough glass carries what it did. Were facets sampled by themselves, and what they miss apart,
- * each would weigh up to G2 / G1 over the share of the first: a furnace of rough diamond had 12 times the variance. */
+/* Of the directions that facets send light to, those that others hide, or that lead to the wrong side, are what one facet
+ * misses: there the other lobe is sampled, as often as its table says but for the table's errors. So all directions have
+ * weights of about 1, and a path that is reflected totally many times in rough glass carries what it did. Were facets sampled
+ * by themselves, and what they miss apart, each would weigh up to G2 / G1 over the share of the first: a furnace of rough
+ * diamond had 12 times the variance. */
 bool boundary_sample(const BsdfBoundary *boundary, Vec3f view, float u_choice, const float u[2], LobeSample *sample)
 {
     if (boundary->facets.smooth || lanes_get(boundary->blurred, 0) == 0)

@@ -1,5 +1,5 @@
-/* spectral_lines.c - wavelengths for scenes that shine in few of them. The lines' density is constant within each of the cells of the table
- * behind wavelengths_sample, so that the density of both together is known wherever a wavelength is from.
+/* spectral_lines.c - wavelengths for scenes that shine in few of them. The lines' density is constant within each of the cells
+ * of the table behind wavelengths_sample, so that the density of both together is known wherever a wavelength is from.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "optics/spectral_lines.h"
 

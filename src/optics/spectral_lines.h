@@ -1,6 +1,6 @@
-/* spectral_lines.h - wavelengths for scenes that shine in few of them: sodium lamps, lasers, discharges. Of the wavelengths that serve white
- * light few are within a line of 10 nm, so that one path in ten finds what it lights. Here some lanes of each path are kept
- * for lines; the others are as ever, so that all wavelengths are found.
+/* spectral_lines.h - wavelengths for scenes that shine in few of them: sodium lamps, lasers, discharges. Of the wavelengths that
+ * serve white light few are within a line of 10 nm, so that one path in ten finds what it lights. Here some lanes of each path
+ * are kept for lines; the others are as ever, so that all wavelengths are found.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_SPECTRAL_LINES_H
 #define MEN_SPECTRAL_LINES_H

@@ -256,8 +256,8 @@ static void take(const Maps *maps, uint32_t y, const Way *way)
     if (standard_error > 0) from->taken += spread_squared_luminance(rgb) / (standard_error * standard_error);
 }
 
-/* What is found where red is reflected may go to where blue is, and the other way. Over both no channel is lost; what is, by chance,
- * is made up for by all that comes. */
+/* What is found where red is reflected may go to where blue is, and the other way. Over both no channel is lost; what is, by
+ * chance, is made up for by all that comes. */
 static void balance_row(void *context, uint32_t index, unsigned worker)
 {
     const Settlement *balance = context;

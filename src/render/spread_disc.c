@@ -29,8 +29,8 @@ enum { BESIDE = 2 };
 #define EDGE_FOUND 0.005
 #define LEAST_LEFT 0.5
 
-/* Of each of n pixels from `first` on: its share in the thing, and how much of a sample it gets, in relation to others, were it beside
- * it. */
+/* Of each of n pixels from `first` on: its share in the thing, and how much of a sample it gets, in relation to others, were it
+ * beside it. */
 static void weights_of(const Looks *looks, const Lone *lone, size_t first, uint32_t n, double *restrict shares,
                        double *restrict weights)
 {
@@ -217,8 +217,9 @@ static void sum_span(const Maps *maps, const Lone *lone, const Columns *span, ui
     sums->middle_by_distance[1] += sum.weights_by_distance * dy;
 }
 
-/* From one disc, and its square, to a larger one. inner -1: there is none. What is alike is counted until it is enough: farther away,
- * and then anew, only what has few alike where it is. A lamp that is seen there, in bright pixels, does not hold up what is dark. */
+/* From one disc, and its square, to a larger one. inner -1: there is none. What is alike is counted until it is enough: farther
+ * away, and then anew, only what has few alike where it is. A lamp that is seen there, in bright pixels, does not hold up what is
+ * dark. */
 static void look_farther(const Maps *maps, const Lone *lone, int inner, int outer, uint32_t enough, Around *sums)
 {
     Square square = square_around(lone, outer);
@@ -317,8 +318,8 @@ static int stay_near(const Maps *maps, const Lone *lone, double own, Way *way)
     return NEAR;
 }
 
-/* How far a sample is spread, and what pixels get together. Some that are next to each other, while there are hardly any more a good way
- * around, are no chance, but something small and bright: the spot of a lens is so. */
+/* How far a sample is spread, and what pixels get together. Some that are next to each other, while there are hardly any more a
+ * good way around, are no chance, but something small and bright: the spot of a lens is so. */
 static int find_radius(const Maps *maps, const Lone *lone, Way *way)
 {
     Around sums = {0};

@@ -33,8 +33,8 @@ typedef struct EmitterSet {
     uint32_t first_glow;       /* all glows stand in their order */
     LightTree *tree;
     uint32_t n_sources; /* lights, objects and glows that emitters belong to */
-    /* What all of them give by each light of the scene, then by each surface, then by each medium: luminance in all directions, W / m^2
-     * times square scene units. */
+    /* What all of them give by each light of the scene, then by each surface, then by each medium: luminance in all directions,
+     * W / m^2 times square scene units. */
     double *powers;
 } EmitterSet;
 

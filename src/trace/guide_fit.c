@@ -330,8 +330,8 @@ static float deal_out(const GuidePhotons *cell, const GuideLobe *lobes, Sheet *s
     return lost;
 }
 
-/* Gives them those of cells near by, too, which say as well how good their lobes are. Of a sheet that none of the cell's tells of, the
- * light is what of n photons in a mean cell near by may be missing by chance: n / (n + 1) of one of them, the mean of a gamma
+/* Gives them those of cells near by, too, which say as well how good their lobes are. Of a sheet that none of the cell's tells of,
+ * the light is what of n photons in a mean cell near by may be missing by chance: n / (n + 1) of one of them, the mean of a gamma
  * distribution. Returns the light of all sheets. */
 static float deal_out_near(const GuidePhotons *cell, const GuideLobe *lobes, Sheet *sheets, uint32_t n_sheets)
 {

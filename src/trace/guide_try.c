@@ -172,7 +172,8 @@ static void tally_record(Tally *tally, const Record *record, double by_brightnes
 }
 
 /* Three quarters of the spots are spread evenly, the others as photons are that land where the camera sees them: the focus of a
- * burning glass is few pixels of all. They are weighed as if all spots were of both kinds ([Veach97] 9.2.2, the balance heuristic). */
+ * burning glass is few pixels of all. They are weighed as if all spots were of both kinds ([Veach97] 9.2.2, the balance
+ * heuristic). */
 static bool place_spots(Tryout *trial, const Photon *photons)
 {
     const uint32_t width = trial->settings->width, height = trial->settings->height;

@@ -7,17 +7,17 @@
 
 #include "trace/light_reach.h"
 
-/* What a light, or all that are near, bring to the scene. */
-static double light_power(const World *world, uint32_t number)
+/* What a distant light, or LIGHT_ENVIRONMENT, brings to the scene: by the circle around that. */
+static double far_power(const World *world, uint32_t number)
 {
     const Scene *scene = world->scene;
-    if (number == LIGHT_NEAR) return light_tree_power(world->emitters.tree);
+    const double pi = acos(-1);
     Box3 bounds = rtc_scene_bounds(world->compiled->rtc);
     double radius = box3_is_empty(bounds) ? 1 : 0.5 * vec3_length(vec3_sub(bounds.max, bounds.min));
-    double circle = acos(-1) * radius * radius;
+    double circle = pi * radius * radius;
     if (number == LIGHT_ENVIRONMENT) return (double)environment_power(scene->environment) * circle;
     const SceneLight *light = &scene->lights[number];
-    return fmax(spectrum_luminance(&light->radiance), 0) * 2 * acos(-1) * (1 - light->cos_angle) * circle;
+    return fmax(spectrum_luminance(&light->radiance), 0) * 2 * pi * (1 - light->cos_angle) * circle;
 }
 
 static void add_choice(LightChoices *choices, uint32_t light, double power, double *total)
@@ -50,11 +50,11 @@ static Status choose_lights(World *world, unsigned reach, Error *error)
     choices->of_light = calloc(scene->n_lights + 1U, sizeof *choices->of_light);
     if (!choices->items || !choices->of_light)
         return fail_memory(error, scene->n_lights * sizeof *choices->items, "lights");
-    if (reach & REACH_NEAR) add_choice(choices, LIGHT_NEAR, light_power(world, LIGHT_NEAR), &total);
+    if (reach & REACH_NEAR) add_choice(choices, LIGHT_NEAR, light_tree_power(world->emitters.tree), &total);
     for (uint32_t i = 0; i < scene->n_lights && reach & REACH_FAR; i++)
-        if (scene->lights[i].kind == LIGHT_DISTANT) add_choice(choices, i, light_power(world, i), &total);
+        if (scene->lights[i].kind == LIGHT_DISTANT) add_choice(choices, i, far_power(world, i), &total);
     if (reach & REACH_FAR && seeks_environment(scene))
-        add_choice(choices, LIGHT_ENVIRONMENT, light_power(world, LIGHT_ENVIRONMENT), &total);
+        add_choice(choices, LIGHT_ENVIRONMENT, far_power(world, LIGHT_ENVIRONMENT), &total);
     uint32_t n_near = reach & REACH_NEAR ? world->emitters.n_sources : 0, n_sources = choices->n;
     if (n_near) n_sources += n_near - 1;
     double cumulative = 0;
@@ -192,6 +192,8 @@ static bool lens_may_cross(const World *world)
     return false;
 }
 
+/* Whether lines of the spectrum are a part of the scene's light, of all that shines in it. Lights, surfaces and media are in the order
+ * of EmitterSet.powers. */
 static Status find_lines(World *world, Error *error)
 {
     const Scene *scene = world->scene;
@@ -200,7 +202,7 @@ static Status find_lines(World *world, Error *error)
     LightOfScene *lights = malloc((n + 1) * sizeof *lights);
     if (!lights) return fail_memory(error, n * sizeof *lights, "the spectra of lights");
     for (uint32_t i = 0; i < scene->n_lights; i++, k++) {
-        double far = scene->lights[i].kind == LIGHT_DISTANT ? light_power(world, i) : 0;
+        double far = scene->lights[i].kind == LIGHT_DISTANT ? far_power(world, i) : 0;
         lights[k] = (LightOfScene){&scene->lights[i].radiance, powers[k] + far};
     }
     for (uint32_t i = 0; i < scene->n_surfaces; i++, k++) {
@@ -212,7 +214,7 @@ static Status find_lines(World *world, Error *error)
         const SceneMedium *medium = &scene->media[i];
         lights[k] = (LightOfScene){medium->temperature ? NULL : &medium->emission, powers[k]};
     }
-    lights[k] = (LightOfScene){NULL, scene->environment ? light_power(world, LIGHT_ENVIRONMENT) : 0};
+    lights[k] = (LightOfScene){NULL, scene->environment ? far_power(world, LIGHT_ENVIRONMENT) : 0};
     Status status = wavelength_lines_new(lights, n + 1, &world->lines, error);
     free(lights);
     return status;
