@@ -7,15 +7,19 @@
 #include "check/report_parts.h"
 #include "check/sight_line.h"
 
-enum { DIRECTIONS = 256, BENDERS = 8 };
-static const double worth_a_word = 0.1; /* of a light's flux: what less is lost is not reported */
+enum { DIRECTIONS = 256, BENDERS = 8, LINES_TO_PLACES = 60000 };
+/* What less is lost is not reported: of a light's flux, and of the picture. */
+static const double worth_a_word = 0.1, worth_a_word_in_picture = 0.01;
 
-/* What becomes of a light's flux. */
+static const char and_more[] = "and more lights without size shine through what bends their light";
+
+/* What becomes of a light's flux, or of its way to what is seen. */
 typedef struct Fate {
     double all, lost;
     uint32_t bender[BENDERS]; /* objects that bend it, as far as there is room */
     double by[BENDERS];
     uint32_t n;
+    double nearest; /* distance of one of these; 0 while there is none */
 } Fate;
 
 /* Whether what is lost at a boundary is found otherwise, or was not meant to pass: of a rough one, and of one all painted. */
@@ -27,25 +31,26 @@ static bool loses_nothing(const Scene *scene, uint32_t object)
     return surface->roughness > 0 || (surface->painted && !surface->mixed && surface->spec.transmission_weight == 0);
 }
 
-/* The object whose smooth surface a line is bent by before it ends; SCENE_NONE where there is none. */
-static uint32_t bender_along(const Scene *scene, const SightLine *line)
+/* Where a smooth surface bends a line before it ends; NULL where none does. */
+static const SightStep *bend_along(const Scene *scene, const SightLine *line)
 {
     for (size_t i = 0; i < line->n; i++) {
         const SightStep *step = &line->steps[i];
-        if (step->kind == SIGHT_OPAQUE) return SCENE_NONE;
+        if (step->kind == SIGHT_OPAQUE) return NULL;
         if (step->kind == SIGHT_BOUNDARY || step->kind == SIGHT_PAINTED)
-            return loses_nothing(scene, step->object) ? SCENE_NONE : step->object;
+            return loses_nothing(scene, step->object) ? NULL : step;
     }
-    return SCENE_NONE;
+    return NULL;
 }
 
-static void add_loss(Fate *fate, uint32_t object, double flux)
+static void add_loss(Fate *fate, const SightStep *bend, double flux)
 {
     uint32_t i = 0;
     fate->lost += flux;
-    while (i < fate->n && fate->bender[i] != object) i++;
+    if (!(fate->nearest > 0) || bend->distance < fate->nearest) fate->nearest = bend->distance;
+    while (i < fate->n && fate->bender[i] != bend->object) i++;
     if (i == BENDERS) return;
-    if (i == fate->n) fate->bender[fate->n++] = object;
+    if (i == fate->n) fate->bender[fate->n++] = bend->object;
     fate->by[i] += flux;
 }
 
@@ -66,21 +71,41 @@ static bool follow(const CompiledScene *compiled, const SceneLight *light, Fate 
         Ray ray = ray_make(light->to_world.t, vec3f_from(affine_vector(&light->to_world, local)));
         SightLine line;
         bool found = sight_line_find(compiled, &ray, &line, NULL) == STATUS_OK;
-        uint32_t bender = found ? bender_along(compiled->scene, &line) : SCENE_NONE;
+        const SightStep *bend = found ? bend_along(compiled->scene, &line) : NULL;
+        fate->all += flux;
+        if (bend) add_loss(fate, bend, flux);
         sight_line_clear(&line);
         if (!found) return false;
-        fate->all += flux;
-        if (bender != SCENE_NONE) add_loss(fate, bender, flux);
     }
     return true;
 }
 
-static void report_loss(const Scene *scene, const SceneLight *light, const Fate *fate, Diag *diag)
+static const SceneObject *worst_bender(const Scene *scene, const Fate *fate)
 {
     uint32_t most = 0;
     for (uint32_t i = 1; i < fate->n; i++)
         if (fate->by[i] > fate->by[most]) most = i;
-    const SceneObject *object = &scene->objects[fate->bender[most]];
+    return &scene->objects[fate->bender[most]];
+}
+
+/* A radius that a lamp might have, for what is so far away: a fiftieth of that, as a round number. */
+static double good_radius(double distance)
+{
+    double radius = distance / 50, power = pow(10, floor(log10(radius)));
+    return floor(radius / power) * power;
+}
+
+static void finish_report(const SceneLight *light, const SceneObject *object, const Fate *fate, Diagnostic *report,
+                          Diag *diag)
+{
+    diag_note(diag, report, object->span, "%s is here", object->name);
+    diag_hint(diag, report, "a light with a size is found: write, say, shape = %s  radius = %g",
+              light->cos_none > -1 ? "disc" : "sphere", good_radius(fate->nearest));
+}
+
+static void report_loss(const Scene *scene, const SceneLight *light, const Fate *fate, Diag *diag)
+{
+    const SceneObject *object = worst_bender(scene, fate);
     double percent = 100 * fate->lost / fate->all;
     Diagnostic *report =
         percent > 99.9
@@ -92,8 +117,7 @@ static void report_loss(const Scene *scene, const SceneLight *light, const Fate 
                           "%s has no size, and %.0f %% of its light meets the smooth surface of %s%s, which bends it: "
                           "what is behind gets none of that",
                           light->name, percent, object->name, fate->n > 1 ? " and others" : "");
-    diag_note(diag, report, object->span, "%s is here", object->name);
-    diag_hint(diag, report, "a light with a size, such as shape = sphere with a small radius, is found");
+    finish_report(light, object, fate, report, diag);
 }
 
 void report_lost_lights(const CompiledScene *compiled, Diag *diag)
@@ -108,6 +132,57 @@ void report_lost_lights(const CompiledScene *compiled, Diag *diag)
         if (!(fate.lost > worth_a_word * fate.all) || ++n > REPORT_MOST) continue;
         report_loss(scene, light, &fate, diag);
     }
-    if (n > REPORT_MOST)
-        diag_report_nowhere(diag, D_LOST_LIGHT, "and more lights without size shine through what bends their light");
+    if (n > REPORT_MOST) diag_report_nowhere(diag, D_LOST_LIGHT, and_more);
+}
+
+/* Whether a line from the light ends at a place: what is opaque there, and nothing opaque before it. */
+static bool ends_at(const SightLine *line, double distance)
+{
+    const double same = 1e-3; /* of the distance: place and line are told by float directions */
+    const SightStep *last = line->n ? &line->steps[line->n - 1] : NULL;
+    return last && last->kind == SIGHT_OPAQUE && fabs(last->distance - distance) < same * distance;
+}
+
+/* As follow(), of straight ways to places, each of which counts 1. */
+static bool follow_to(const CompiledScene *compiled, const SceneLight *light, const ReportView *view, uint32_t step,
+                      Fate *fate)
+{
+    for (uint32_t i = 0; i < view->n; i += step) {
+        Vec3 away = vec3_sub(view->places[i], light->to_world.t);
+        Vec3 direction = vec3_normalize(away), local = affine_normal(&light->to_world, direction); /* a rigid frame */
+        if (!(light_shape(light, local) > 0)) continue;
+        Ray ray = ray_make(light->to_world.t, vec3f_from(direction));
+        SightLine line;
+        bool found = sight_line_find(compiled, &ray, &line, NULL) == STATUS_OK;
+        bool comes = found && ends_at(&line, vec3_length(away));
+        const SightStep *bend = comes ? bend_along(compiled->scene, &line) : NULL;
+        if (bend) add_loss(fate, bend, 1);
+        sight_line_clear(&line);
+        if (!found) return false;
+    }
+    return true;
+}
+
+void report_unlit(const CompiledScene *compiled, const ReportView *view, Diag *diag)
+{
+    const Scene *scene = compiled->scene;
+    uint32_t n = 0, n_points = 0;
+    for (uint32_t i = 0; i < scene->n_lights; i++) n_points += scene->lights[i].kind == LIGHT_POINT;
+    uint32_t step = 1 + (uint32_t)((uint64_t)n_points * view->n / LINES_TO_PLACES);
+    for (uint32_t i = 0; i < scene->n_lights && compiled->n_hulls; i++) {
+        const SceneLight *light = &scene->lights[i];
+        Fate flux = {0}, fate = {0};
+        if (light->kind != LIGHT_POINT || n > REPORT_MOST) continue;
+        if (!follow(compiled, light, &flux) || !follow_to(compiled, light, view, step, &fate)) return;
+        double part = fate.lost * step / view->n_lines;
+        if (flux.lost > worth_a_word * flux.all || !(part > worth_a_word_in_picture) || ++n > REPORT_MOST) continue;
+        const SceneObject *object = worst_bender(scene, &fate);
+        Diagnostic *report = diag_report(
+            diag, D_LOST_LIGHT, light->span,
+            "%s has no size, and what of its light meets the smooth surface of %s%s is bent and will not be "
+            "found: %.0f %% of the picture is in the dark behind that",
+            light->name, object->name, fate.n > 1 ? " and others" : "", 100 * part);
+        finish_report(light, object, &fate, report, diag);
+    }
+    if (n > REPORT_MOST) diag_report_nowhere(diag, D_LOST_LIGHT, and_more);
 }

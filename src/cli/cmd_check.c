@@ -19,6 +19,7 @@ typedef struct Check {
     CheckSlice slice;
     const uint32_t *pixel; /* of --pixel; NULL: not asked for */
     SightLine sight;
+    uint32_t camera, width, height; /* what --camera, --size and --scale say */
     Buf out, report; /* report: of the first frame that could be built, as text or as JSON */
     bool as_json, built;
     uint64_t hash; /* of that frame's scene */
@@ -32,6 +33,7 @@ static void warn(void *context)
 {
     Check *check = context;
     report_warnings(check->input.compiled, &check->input.diag);
+    viewpoint_report_unlit(&check->input, check->camera, check->width, check->height);
     check->status = report_mesh_crossings(check->input.compiled, check->pool, &check->input.diag, check->error);
     if (!check->input.talk->quiet) report_remarks(check->input.compiled, &check->input.diag);
 }
@@ -84,15 +86,15 @@ static void print_json(void *context)
 }
 
 /* The line of sight through the middle of a pixel of the picture that the options ask for. */
-static Status look_through_pixel(Check *check, uint32_t camera_row, uint32_t width, uint32_t height, Error *error)
+static Status look_through_pixel(Check *check, Error *error)
 {
-    const uint32_t *at = check->pixel;
+    const uint32_t *at = check->pixel, width = check->width, height = check->height;
     if (at[0] >= width || at[1] >= height)
         return fail(error, STATUS_USAGE, "option '--pixel': %u,%u is no pixel of the picture, 0,0 to %u,%u", at[0], at[1],
                     (unsigned)width - 1, (unsigned)height - 1);
     FilmPoint point = {at[0] + 0.5, at[1] + 0.5, width, height};
     const float middle[2] = {0.5f, 0.5f};
-    SceneCamera camera = check->input.scene->cameras[camera_row];
+    SceneCamera camera = check->input.scene->cameras[check->camera];
     NestList list;
     nest_list_init(&list);
     Status status = compiled_stand(check->input.compiled, &camera, &list, NULL, error);
@@ -108,10 +110,9 @@ static Status look_through_pixel(Check *check, uint32_t camera_row, uint32_t wid
 /* What --camera, --size and --scale say is looked at whether --pixel asks for it or not. */
 static Status look(Check *check, Error *error)
 {
-    uint32_t camera, width, height;
-    TRY(viewpoint_size(&check->input, &width, &height, error));
-    TRY(viewpoint_camera(&check->input, &camera, error));
-    return check->pixel ? look_through_pixel(check, camera, width, height, error) : STATUS_OK;
+    TRY(viewpoint_size(&check->input, &check->width, &check->height, error));
+    TRY(viewpoint_camera(&check->input, &check->camera, error));
+    return check->pixel ? look_through_pixel(check, error) : STATUS_OK;
 }
 
 /* Everything that can be wrong with the input's frame. */

@@ -10,6 +10,7 @@
 #include "cli/render_run.h"
 #include "cli/render_watch.h"
 #include "cli/signals.h"
+#include "cli/viewpoint.h"
 
 ColorLook render_look(const RenderRun *run)
 {
@@ -212,6 +213,7 @@ static void warn_of_losses(void *context)
 {
     RenderRun *run = context;
     report_lost_lights(run->input.compiled, &run->input.diag);
+    viewpoint_report_unlit(&run->input, run->settings.camera, run->settings.width, run->settings.height);
     report_endless(run->input.compiled, &run->input.diag);
     report_small_volumes(run->input.compiled, &run->input.diag);
     report_nested_parts(run->input.compiled, &run->input.diag);

@@ -50,15 +50,27 @@ static bool is_named(const char *list, const char *name)
     return false;
 }
 
-/* What a light of that shape has in place of a property that it must not have. */
-static void hint_at_shape(Builder *b, Diagnostic *report, const LightShape *shape, const char *name)
+/* What is as bright as a point of an intensity: a sphere to all sides, what is flat along its axis. */
+static void hint_at_power(Builder *b, Diagnostic *report, const LightShape *shape, double intensity)
 {
+    if (shape->kind == LIGHT_DISTANT)
+        diag_hint(b->diag, report, "intensity is of lights without a size: give its 'radiance', or its 'power'");
+    else
+        diag_hint(b->diag, report, "intensity is of lights without a size: as bright %s is power = %g",
+                  shape->kind == LIGHT_SPHERE ? "to all sides" : "along its axis, without an angle,",
+                  (shape->kind == LIGHT_SPHERE ? 4 * pi : pi) * intensity);
+}
+
+/* What a light of that shape has in place of a property that it must not have. */
+static void hint_at_shape(Builder *b, Diagnostic *report, const LightShape *shape, const EvalProp *prop)
+{
+    const char *name = prop->type->name;
     if (shape->kind == LIGHT_PORTAL)
         diag_hint(b->diag, report, "it does not shine by itself: the light is the environment's");
     else if (strcmp(name, "radiance") == 0)
         diag_hint(b->diag, report, "it has no surface: give its 'intensity', or its 'power'");
     else if (strcmp(name, "intensity") == 0 && is_named(shape->takes, "radiance"))
-        diag_hint(b->diag, report, "intensity is of lights without a size: give its 'radiance', or its 'power'");
+        hint_at_power(b, report, shape, prop->as.number);
     else if (shape->kind == LIGHT_POINT && strcmp(name, "radius") == 0)
         diag_hint(b->diag, report, "it has no size: sphere and disc are shapes of lights that have one");
     else
@@ -78,7 +90,7 @@ static bool check_properties(Builder *b, const EvalNode *node, const LightShape 
         if (prop && !is_named(shape->takes, names[i])) {
             Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, prop->span,
                                              "a light of shape '%s' has no '%s'", shape->word, names[i]);
-            hint_at_shape(b, report, shape, names[i]);
+            hint_at_shape(b, report, shape, prop);
             fine = false;
         } else if (!prop && is_named(shape->needs, names[i])) {
             Diagnostic *report = diag_report(b->diag, D_MISSING_PROPERTY, node->span,

@@ -391,3 +391,29 @@ run check inner/scene.mns --confine inner -I outer
 exits 3
 says err "hint: the folder 'outer' is not searched: it is outside of 'inner', to which the scene is confined"
 end
+
+begin "a ball of glass in the light of a point: the part of the picture behind it is named, where the camera sees that"
+cat > ball.mns << 'SCENE'
+meniscus 1.0 unit cm
+light { shape = point  from = <40, 80, -40>  power = 60 }
+plane { surface = surface {} }
+sphere { interior = medium { ior = 1.5 }  center = <0, 10, 0>  radius = 10 }
+camera at { from = <0, 30, -80>  to = <0, 8, 0>  fov = 40deg }
+camera off { from = <0, 30, 80>  to = <0, 8, 200>  fov = 40deg }
+film { size = <32, 24> }
+render { samples = 1 }
+SCENE
+run check ball.mns
+exits 0
+says err "5 % of the picture is in the dark behind that"
+says err "write, say, shape = sphere  radius = 1"
+run render ball.mns -o a.exr
+exits 0
+says err "5 % of the picture is in the dark behind that"
+run check ball.mns --camera off
+exits 0
+says_not err "lost-light"
+sed 's/shape = point/shape = sphere  radius = 1/' ball.mns > lamp.mns
+run check lamp.mns
+says_not err "lost-light"
+end
