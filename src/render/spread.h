@@ -9,7 +9,7 @@
  *   its pixel has few comparable ones. A bright thing that is well sampled has many: it stays as it is, to the bit.
  * - It goes to the smallest neighbourhood that holds enough comparable samples, or in which all of these are not seen any
  *   more: next to it few are enough, farther away many, else each neighbourhood would be seen as a disc. One that would be seen
- *   wherever it goes makes less of a blemish where it is, and stays.
+ *   wherever it goes, and has hardly any like it there, makes less of a blemish where it is, and stays.
  * - Where comparable samples of near pixels differ in number beyond chance, those with more of them get more: lines and points
  *   stay as sharp as they were found.
  * - It goes to pixels that show the same thing first, by how much of them does; not over the thing's edge. A medium that

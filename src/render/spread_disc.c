@@ -14,6 +14,8 @@
 enum { NEAR = 2, NEAR_ENOUGH = 20, FAR_ENOUGH = 256 };
 /* So many next to each other are something small, if there are few more in a disc of a larger radius than this. */
 enum { TOGETHER = 10, A_GOOD_WAY = 6 };
+/* So many over all that there is are no chance: a haze of them is what is there, however dark it is without. */
+enum { NO_CHANCE = 8 };
 /* Pixels around a sample, for what they have of comparable ones. */
 enum { BESIDE = 2 };
 /* What samples add to what is usual, spread, that is not seen; and what is a haze that is better than a dot. */
@@ -303,7 +305,7 @@ bool spread_ends(const Lone *lone, const Around *sums, int radius, double own, W
 
 int spread_farthest(const Around *sums, int radius, double alone, Way *way)
 {
-    if (alone > FAINT) return 0;
+    if (alone > FAINT && sums->alike < NO_CHANCE) return 0;
     (void)find_image(sums, radius, way);
     return radius;
 }

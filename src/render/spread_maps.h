@@ -201,7 +201,7 @@ uint32_t spread_enough(const Lone *lone, int radius);
  * get is, if there is none. *alone: what the sample adds where it is, over what is usual there. */
 bool spread_ends(const Lone *lone, const Around *sums, int radius, double own, Way *way, double *alone);
 /* Of one that does not end up to the last radius that there is: that one, or 0. One that would be more than faint wherever it goes,
- * alone, is less of a blemish where it is. */
+ * alone or with few others, is less of a blemish where it is. */
 int spread_farthest(const Around *sums, int radius, double alone, Way *way);
 /* Where a sample goes, by its radius. far: that is to be found by cells. */
 void spread_find_way(const Maps *maps, const Lone *lone, Way *way);

@@ -158,6 +158,31 @@ static void what_would_be_seen_anywhere_stays(void **state)
     end(&films);
 }
 
+/* What is next to black, and has many such samples all over, one in each of some pixels, is lit by these: they make a haze there,
+ * much brighter than it is without. */
+static void what_few_bring_to_the_dark_is_a_haze(void **state)
+{
+    (void)state;
+    Films films;
+    begin(&films);
+    for (uint32_t y = 0; y < SIDE; y++)
+        for (uint32_t x = 0; x < SIDE; x++) {
+            for (int i = 0; i < 31; i++) add(&films, x, y, (float[]){.001f, .001f, .001f}, 7);
+            bool bright = x % 12 == 6 && y % 12 == 6; /* sixteen, which in the mean bring ten times what is there */
+            float light = bright ? 46 : .001f;
+            add(&films, x, y, (float[]){light, light, light}, 7);
+        }
+    resolve(&films, whole);
+    assert_int_equal(films.way.samples, 16);
+    double all[3], right[3];
+    gains(&films, all, right);
+    assert_true(brightest(&films.kept) > 1.4f && brightest(&films.spread) < .02f);
+    for (uint32_t y = 0; y < SIDE; y += 12)
+        for (uint32_t x = 0; x < SIDE; x += 12) assert_true(image_at(&films.spread, x, y)[1] > .006f);
+    assert_near(all[1] / (SIDE * SIDE), 0, 1e-9);
+    end(&films);
+}
+
 /* The same light, spread over all there is, is not much of a haze where it is grey, and is where it is of one colour. */
 static void one_colour_is_seen_sooner(void **state)
 {
@@ -900,6 +925,7 @@ int main(void)
         cmocka_unit_test(a_lone_sample_is_spread),
         cmocka_unit_test(what_is_bright_by_right_stays),
         cmocka_unit_test(what_would_be_seen_anywhere_stays),
+        cmocka_unit_test(what_few_bring_to_the_dark_is_a_haze),
         cmocka_unit_test(one_colour_is_seen_sooner),
         cmocka_unit_test(colours_make_up_for_each_other),
         cmocka_unit_test(no_hole_is_left),
