@@ -32,29 +32,87 @@ static bool points_fit(const BuiltinCall *call, Value *result)
     return fine;
 }
 
-/* E. Catmull, R. Rom, "A Class of Local Interpolating Splines" (1974): between p1 and p2 the cubic whose slope at each
- * is half of the step from its neighbour to its other neighbour. */
-void run_spline(const BuiltinCall *call, Value *result)
+/* Where on a curve a call asks for. */
+typedef struct CurvePlace {
+    const Value *points;
+    bool closed;
+    unsigned width;
+    int64_t step; /* between this point and the next */
+    double u;     /* how far, 0 to 1 */
+} CurvePlace;
+
+/* false after a report */
+static bool find_place(const BuiltinCall *call, CurvePlace *place, Value *result)
 {
-    if (!points_fit(call, result)) return;
+    if (!points_fit(call, result)) return false;
     if (call->args[1].kind != VALUE_NUMBER || (call->n > 2 && call->args[2].kind != VALUE_BOOL)) {
         builtin_wrong(call, call->args[1].kind == VALUE_NUMBER ? 2 : 1, "points, a number, and whether the curve is closed",
                       result);
-        return;
+        return false;
     }
     const Value *points = &call->args[0];
     bool closed = call->n > 2 && call->args[2].as.truth;
     double t = call->args[1].as.number, n_steps = (double)value_count(points) - (closed ? 0 : 1);
     if (closed) t -= floor(t);
-    double at = fmin(fmax(t, 0), 1) * n_steps, step = fmin(floor(at), n_steps - 1), u = at - step;
-    unsigned width = value_width(value_element(points, 0).kind);
-    double p[4][4];
-    for (int i = 0; i < 4; i++) point_at(points, (int64_t)step + i - 1, closed, width, p[i]);
-    *result = value_element(points, 0);
-    for (unsigned i = 0; i < width; i++) {
+    double at = fmin(fmax(t, 0), 1) * n_steps, step = fmin(floor(at), n_steps - 1);
+    *place = (CurvePlace){points, closed, value_width(value_element(points, 0).kind), (int64_t)step, at - step};
+    return true;
+}
+
+/* E. Catmull, R. Rom, "A Class of Local Interpolating Splines" (1974): between p1 and p2 the cubic whose slope at each
+ * is half of the step from its neighbour to its other neighbour. */
+void run_spline(const BuiltinCall *call, Value *result)
+{
+    CurvePlace place;
+    if (!find_place(call, &place, result)) return;
+    double p[4][4], u = place.u;
+    for (int i = 0; i < 4; i++) point_at(place.points, place.step + i - 1, place.closed, place.width, p[i]);
+    *result = value_element(place.points, 0);
+    for (unsigned i = 0; i < place.width; i++) {
         double a = 2 * p[1][i], b = p[2][i] - p[0][i], c = 2 * p[0][i] - 5 * p[1][i] + 4 * p[2][i] - p[3][i];
         double d = 3 * (p[1][i] - p[2][i]) + p[3][i] - p[0][i];
         result->as.v[i] = u == 1 ? p[2][i] : (a + u * (b + u * (c + u * d))) / 2;
+    }
+    builtin_finite(call, result);
+}
+
+/* What a point does to the slopes falls to 2 - sqrt(3) from each point to the next: beyond so many, to 2e-18. */
+enum { NATURAL_REACH = 31, NATURAL_POINTS = 2 * NATURAL_REACH + 2 };
+
+/* The slopes at the place's two points of the cubics through p whose second derivatives agree, and are 0 at both ends;
+ * C. de Boor, "A Practical Guide to Splines" (1978), ch. IV. `at`: which of the n points is the first of the two. */
+static void natural_slopes(double (*p)[4], unsigned which, int n, int at, double *slope0, double *slope1)
+{
+    double right[NATURAL_POINTS], after[NATURAL_POINTS];
+    for (int i = 0; i < n; i++) {
+        bool end = i == 0 || i == n - 1;
+        double step = p[i < n - 1 ? i + 1 : i][which] - p[i > 0 ? i - 1 : i][which];
+        double here = (end ? 2 : 4) - (i ? after[i - 1] : 0);
+        after[i] = 1 / here;
+        right[i] = (3 * step - (i ? right[i - 1] : 0)) / here;
+    }
+    for (int i = n - 2; i >= at; i--) right[i] -= after[i] * right[i + 1];
+    *slope0 = right[at];
+    *slope1 = right[at + 1];
+}
+
+void run_natural_spline(const BuiltinCall *call, Value *result)
+{
+    CurvePlace place;
+    if (!find_place(call, &place, result)) return;
+    int64_t last = (int64_t)value_count(place.points) - 1, from = place.step - NATURAL_REACH,
+            to = place.step + 1 + NATURAL_REACH;
+    if (!place.closed && from < 0) from = 0;
+    if (!place.closed && to > last) to = last;
+    double p[NATURAL_POINTS][4];
+    int n = (int)(to - from + 1), at = (int)(place.step - from);
+    for (int i = 0; i < n; i++) point_at(place.points, from + i, place.closed, place.width, p[i]);
+    *result = value_element(place.points, 0);
+    for (unsigned i = 0; i < place.width; i++) {
+        double start, end, a = p[at][i], b = p[at + 1][i], u = place.u;
+        natural_slopes(p, i, n, at, &start, &end);
+        double c = 3 * (b - a) - 2 * start - end, d = start + end - 2 * (b - a);
+        result->as.v[i] = u == 1 ? b : a + u * (start + u * (c + u * d));
     }
     builtin_finite(call, result);
 }

@@ -53,6 +53,7 @@ void run_volume(const BuiltinCall *call, Value *result);
 
 /* builtin_curve.c */
 void run_spline(const BuiltinCall *call, Value *result);
+void run_natural_spline(const BuiltinCall *call, Value *result);
 void run_angle(const BuiltinCall *call, Value *result);
 void run_text(const BuiltinCall *call, Value *result);
 

@@ -77,6 +77,7 @@ void build_made(Builder *b, const EvalNode *node, const Affine *to_world, BuildM
 
 static ContourKind contour_kind(const char *word)
 {
+    if (strcmp(word, "natural") == 0) return CONTOUR_NATURAL;
     return strcmp(word, "cubic") == 0 ? CONTOUR_CUBIC : strcmp(word, "bezier") == 0 ? CONTOUR_BEZIER : CONTOUR_LINEAR;
 }
 
@@ -190,6 +191,12 @@ void build_prism(Builder *b, const EvalNode *node, const Affine *to_world)
 
 /* ---- sweep ---- */
 
+static SweepCurve sweep_curve(const char *word)
+{
+    if (strcmp(word, "natural") == 0) return SWEEP_NATURAL;
+    return strcmp(word, "cubic") == 0 ? SWEEP_CUBIC : SWEEP_LINEAR;
+}
+
 static double largest_number(const double *numbers, size_t n)
 {
     double largest = 0;
@@ -237,7 +244,7 @@ static Status make_sweep(Builder *b, const EvalNode *node, Mesh **mesh, Span *sp
     SweepShape shape = {.scales = radius ? radius->as.list.numbers : &one,
                         .n_scales = radius ? radius->as.list.n : 1,
                         .up = eval_vector(node, "up"),
-                        .smooth = strcmp(eval_word(node, "curve"), "cubic") == 0,
+                        .curve = sweep_curve(eval_word(node, "curve")),
                         .closed = eval_truth(node, "closed"),
                         .round_ends = strcmp(eval_word(node, "ends"), "round") == 0,
                         .twist = eval_number(node, "twist"),

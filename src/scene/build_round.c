@@ -148,12 +148,12 @@ static const double *lathe_rounding(Builder *b, const EvalNode *node, const Eval
 typedef struct LatheParts {
     const EvalProp *profile;
     const double *round; /* or NULL */
-    const bool *corner;  /* of a cubic curve, else NULL */
+    const bool *corner;  /* of a curve through all points, else NULL */
     double curve;        /* 0: straight edges; else LatheCurve + 1 */
     double smooth, tolerance;
 } LatheParts;
 
-/* Which points a cubic curve has corners at; NULL after reporting. */
+/* Which points a curve through all has corners at; NULL after reporting. */
 static const bool *lathe_corners(Builder *b, const EvalNode *node, size_t n)
 {
     const EvalProp *corners = eval_prop(node, "corners");
@@ -183,8 +183,8 @@ static bool lathe_parts(Builder *b, const EvalNode *node, LatheParts *parts)
                     "a profile of %zu corners is too long; the limit is 100000", n);
         return false;
     }
-    bool cubic = strcmp(curve, "cubic") == 0, ok = true;
-    if (!cubic) build_needs(b, node, "corners", "on a curve that is not cubic");
+    bool natural = strcmp(curve, "natural") == 0, through = natural || strcmp(curve, "cubic") == 0, ok = true;
+    if (!through) build_needs(b, node, "corners", "on a curve that is neither cubic nor natural");
     if (strcmp(curve, "linear") == 0) {
         build_needs(b, node, "tolerance", "without a curve");
         parts->smooth = eval_truth(node, "smooth");
@@ -193,9 +193,9 @@ static bool lathe_parts(Builder *b, const EvalNode *node, LatheParts *parts)
     }
     build_needs(b, node, "rounding", "on a curve");
     build_needs(b, node, "smooth", "on a curve, which is smooth");
-    parts->curve = 1 + (cubic ? LATHE_CUBIC : LATHE_BEZIER);
-    if (cubic) parts->corner = lathe_corners(b, node, n);
-    return !cubic || parts->corner;
+    parts->curve = 1 + (natural ? LATHE_NATURAL : through ? LATHE_CUBIC : LATHE_BEZIER);
+    if (through) parts->corner = lathe_corners(b, node, n);
+    return !through || parts->corner;
 }
 
 /* What tells shapes apart: kind, curve, smooth, tolerance, profile, rounding, corners. */
@@ -230,7 +230,7 @@ static void remark_open_profile(Builder *b, const LatheParts *parts)
     if (!slanted || (!on_axis && closing < 1.5 * longest)) return;
     Diagnostic *report = diag_report(b->diag, D_OPEN_PROFILE, profile->span,
                                      "the profile ends at <%g, %g> and is closed by a %s from there to <%g, %g>", p[last],
-                                     p[last + 1], parts->curve == 1 + LATHE_CUBIC ? "curve" : "straight edge", p[0], p[1]);
+                                     p[last + 1], parts->corner ? "curve" : "straight edge", p[0], p[1]);
     diag_hint(b->diag, report, "lead it back along the inside, for a wall; or to the axis, for what is full");
 }
 

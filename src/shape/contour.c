@@ -3,6 +3,7 @@
 #include "shape/contour.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 #include "shape/smooth.h"
 
@@ -120,6 +121,74 @@ static void draw_smooth_step(Pen *pen, const Point2 p[4])
     pen_cubic(pen, control1, control2, p[2]);
 }
 
+/* The points without those that stand there twice, which are corners, and by which point of the list each is. */
+typedef struct Distinct {
+    double *xy, *times, *velocities;
+    NaturalAt *at;
+    size_t *source;
+    size_t n;
+} Distinct;
+
+static bool distinct_new(Distinct *distinct, const double *xy, size_t n)
+{
+    double *numbers = calloc(7 * n, sizeof *numbers);
+    *distinct = (Distinct){.xy = numbers, .at = calloc(n, sizeof(NaturalAt)), .source = calloc(n, sizeof(size_t))};
+    if (!numbers || !distinct->at || !distinct->source) return false;
+    distinct->times = numbers + 2 * n;
+    distinct->velocities = numbers + 3 * n;
+    for (size_t i = 0; i < n; i++) {
+        size_t k = distinct->n;
+        if (k && xy[2 * i] == xy[2 * i - 2] && xy[2 * i + 1] == xy[2 * i - 1]) {
+            distinct->at[k - 1] = NATURAL_CORNER;
+            continue;
+        }
+        distinct->xy[2 * k] = xy[2 * i];
+        distinct->xy[2 * k + 1] = xy[2 * i + 1];
+        distinct->source[k] = i;
+        distinct->n++;
+    }
+    const double *last = distinct->xy + 2 * distinct->n - 2; /* the loop goes back to the first by itself */
+    if (distinct->n > 1 && last[0] == xy[0] && last[1] == xy[1]) distinct->n--;
+    for (size_t i = 0; i < distinct->n; i++) {
+        const double *p = distinct->xy + 2 * i, *q = distinct->xy + 2 * ((i + 1) % distinct->n);
+        distinct->times[i] = smooth_time(hypot(q[0] - p[0], q[1] - p[1]));
+        if (distinct->n < 3) distinct->at[i] = NATURAL_CORNER; /* there and back */
+    }
+    return true;
+}
+
+static void distinct_clear(Distinct *distinct)
+{
+    free(distinct->xy);
+    free(distinct->at);
+    free(distinct->source);
+}
+
+/* The pen stands at the first point. */
+static void draw_natural(Pen *pen, const double *xy, size_t n)
+{
+    Distinct distinct;
+    uint32_t source = pen->source;
+    bool fine = distinct_new(&distinct, xy, n);
+    if (fine && distinct.n > 1)
+        fine = natural_velocities(&(NaturalPoints){.values = distinct.xy,
+                                                   .times = distinct.times,
+                                                   .at = distinct.at,
+                                                   .n = distinct.n,
+                                                   .width = 2,
+                                                   .closed = true},
+                                  distinct.velocities);
+    for (size_t i = 0; fine && distinct.n > 1 && i < distinct.n && !pen->failed; i++) {
+        const double *p = distinct.xy + 2 * i, *q = distinct.xy + 2 * ((i + 1) % distinct.n);
+        const double *u = distinct.velocities + 4 * i, *v = u + 2;
+        pen->source = source + (uint32_t)distinct.source[i];
+        pen_cubic(pen, (Point2){p[0] + u[0] / 3, p[1] + u[1] / 3}, (Point2){q[0] - v[0] / 3, q[1] - v[1] / 3},
+                  (Point2){q[0], q[1]});
+    }
+    distinct_clear(&distinct);
+    pen->failed |= !fine;
+}
+
 Status contour_draw(Pen *pen, ContourKind kind, const double *xy, size_t n, Error *error)
 {
 #define AT(i) ((Point2){xy[2 * ((i) % n)], xy[2 * ((i) % n) + 1]})
@@ -133,7 +202,8 @@ Status contour_draw(Pen *pen, ContourKind kind, const double *xy, size_t n, Erro
     if (kind != CONTOUR_BEZIER) /* a last point that repeats the first closes the loop, as POV-Ray's do */
         while (n > 3 && xy[0] == xy[2 * n - 2] && xy[1] == xy[2 * n - 1]) n--;
     pen_begin(pen, AT(0));
-    for (size_t i = 0; i < n && !pen->failed; i += kind == CONTOUR_BEZIER ? 3 : 1) {
+    if (kind == CONTOUR_NATURAL) draw_natural(pen, xy, n);
+    for (size_t i = 0; kind != CONTOUR_NATURAL && i < n && !pen->failed; i += kind == CONTOUR_BEZIER ? 3 : 1) {
         pen->source = source + (uint32_t)i;
         const Point2 around[4] = {AT(i + n - 1), AT(i), AT(i + 1), AT(i + 2)};
         if (kind == CONTOUR_LINEAR) pen_line(pen, AT(i + 1));

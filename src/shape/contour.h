@@ -25,7 +25,8 @@ void pen_end(Pen *pen);
 typedef enum ContourKind {
     CONTOUR_LINEAR, /* corners */
     CONTOUR_CUBIC,  /* a smooth curve through all points: Catmull-Rom */
-    CONTOUR_BEZIER  /* in threes: a point on the curve and the two controls behind it */
+    CONTOUR_NATURAL, /* the same, with a curvature that does not jump, but at points that stand there twice, which are corners */
+    CONTOUR_BEZIER /* in threes: a point on the curve and the two controls behind it */
 } ContourKind;
 
 /* One closed loop through n points, whose numbers count from pen->source. STATUS_SCENE for what cannot be a loop. */

@@ -181,6 +181,33 @@ static Cubic smooth_piece(const Dir2 *points, const bool *corner, uint32_t n, ui
     return cubic;
 }
 
+/* The same with a curvature that does not jump. */
+static Status natural_pieces(const Dir2 *points, const bool *corner, uint32_t n, Cubic *cubics, Error *error)
+{
+    double *times = calloc(5 * (size_t)n, sizeof *times), *velocities = times + n;
+    NaturalAt *at = calloc(n, sizeof *at);
+    bool fine = times && at;
+    for (uint32_t i = 0; fine && i < n; i++) {
+        times[i] = smooth_time(dir2_distance(points[i], points[(i + 1) % n]));
+        at[i] = corner[i] ? NATURAL_CORNER : points[i].r == 0 ? NATURAL_MIRRORED : NATURAL_PASSES;
+    }
+    fine = fine &&
+           natural_velocities(
+               &(NaturalPoints){.values = &points[0].r, .times = times, .at = at, .n = n, .width = 2, .closed = true},
+               velocities);
+    for (uint32_t i = 0; fine && i < n; i++) {
+        uint32_t k = (i + 1) % n;
+        Dir2 p = points[i], q = points[k];
+        const double *u = velocities + 4 * (size_t)i, *v = u + 2;
+        cubics[i] = (Cubic){.p = {p, {p.r + u[0] / 3, p.y + u[1] / 3}, {q.r - v[0] / 3, q.y - v[1] / 3}, q},
+                            .source = i,
+                            .straight = both_on_axis(p, q) || (corner[i] && corner[k])};
+    }
+    free(times);
+    free(at);
+    return fine ? STATUS_OK : fail_memory(error, 6 * (size_t)n * sizeof *times, "a profile");
+}
+
 static uint32_t bezier_pieces(const Dir2 *points, uint32_t n, Cubic *cubics)
 {
     uint32_t n_cubics = 0;
@@ -238,10 +265,10 @@ static Status check_points(const double (*profile)[2], uint32_t n, LatheCurve ki
         if (r < 0 && !control)
             return fail(error, STATUS_SCENE, "profile[%u] = <%g, %g> is left of the axis; r must not be negative", i, r,
                         y);
-        if (i && kind == LATHE_CUBIC && r == profile[i - 1][0] && y == profile[i - 1][1])
+        if (i && kind != LATHE_BEZIER && r == profile[i - 1][0] && y == profile[i - 1][1])
             return fail(error, STATUS_SCENE, "profile[%u] = <%g, %g> repeats the point before it", i, r, y);
     }
-    if (kind == LATHE_CUBIC && profile[0][0] == profile[n - 1][0] && profile[0][1] == profile[n - 1][1])
+    if (kind != LATHE_BEZIER && profile[0][0] == profile[n - 1][0] && profile[0][1] == profile[n - 1][1])
         return fail(error, STATUS_SCENE, "profile[%u] repeats the first point; the curve is closed without it", n - 1);
     return STATUS_OK;
 }
@@ -297,10 +324,13 @@ Status solid_make_curved_lathe(const double (*profile)[2], uint32_t n, LatheCurv
     uint32_t n_cubics = n;
     if (kind == LATHE_BEZIER) n_cubics = bezier_pieces(points, n, cubics);
     for (uint32_t i = 0; kind == LATHE_CUBIC && i < n; i++) cubics[i] = smooth_piece(points, corner, n, i);
-    orient_pieces(cubics, n_cubics);
+    Status status = kind == LATHE_NATURAL ? natural_pieces(points, corner, n, cubics, error) : STATUS_OK;
     Outline outline = {0};
     Curve curve = {&outline, tolerance > 0 ? fmax(tolerance, 1e-12 * size) : 1e-5 * size};
-    Status status = check_axis(cubics, n_cubics, size, error);
+    if (status == STATUS_OK) {
+        orient_pieces(cubics, n_cubics);
+        status = check_axis(cubics, n_cubics, size, error);
+    }
     if (status == STATUS_OK) status = curve_outline(cubics, n_cubics, &curve, error);
     if (status == STATUS_OK) status = outline_finish(&outline, false, solid, error);
     outline_clear(&outline);

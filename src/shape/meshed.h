@@ -21,6 +21,12 @@ ATTR_NODISCARD Status prism_add(Grower *grower, const Outline2 *outline, const P
 
 /* ---- sweeps (sweep.c) ---- */
 
+typedef enum SweepCurve {
+    SWEEP_LINEAR, /* straight, with mitres */
+    SWEEP_CUBIC,  /* a Catmull-Rom spline through the path's points */
+    SWEEP_NATURAL /* a curve through them whose curvature does not jump; open ends do not bend */
+} SweepCurve;
+
 typedef struct SweepShape {
     const Vec3 *path;
     size_t n_path;        /* at least 2; closed: at least 3 */
@@ -28,7 +34,7 @@ typedef struct SweepShape {
     size_t n_scales;
     const Outline2 *outline; /* clean; its y towards `up` where the path begins. NULL: the circle of radius 1 */
     Vec3 up;
-    bool smooth;             /* a Catmull-Rom spline through the path's points; else straight, with mitres */
+    SweepCurve curve;        /* of the path; the scales go from point to point likewise */
     bool closed, round_ends; /* round_ends: half balls; only without an outline */
     double twist;            /* degrees, from the path's begin to its end */
     double tolerance;

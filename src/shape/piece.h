@@ -145,10 +145,11 @@ ATTR_NODISCARD Status solid_make_lathe(const double (*profile)[2], uint32_t n, c
 /* The same with a curve through the points instead of straight edges, made of arcs that keep within `tolerance` of it
  * (0: 1e-5 of the profile's size) and meet smoothly. */
 typedef enum LatheCurve {
-    LATHE_CUBIC, /* smooth through all points, and meeting the axis at a right angle, but for those that are corners
+    LATHE_CUBIC,  /* smooth through all points, and meeting the axis at a right angle, but for those that are corners
                   * (corner: n truths); straight between two corners; closed by its last piece, or along the axis */
-    LATHE_BEZIER /* every third point is on the curve, the two between are its control points; 3 k points are closed, 3
-                  * k + 1 are closed by a straight edge; corner is not looked at */
+    LATHE_BEZIER, /* every third point is on the curve, the two between are its control points; 3 k points are closed, 3
+                   * k + 1 are closed by a straight edge; corner is not looked at */
+    LATHE_NATURAL /* as LATHE_CUBIC, and its curvature does not jump but at corners; it does not bend where it meets them */
 } LatheCurve;
 /* STATUS_SCENE for the reasons above, when points repeat, or when the curve crosses the axis. */
 ATTR_NODISCARD Status solid_make_curved_lathe(const double (*profile)[2], uint32_t n, LatheCurve kind,

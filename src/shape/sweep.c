@@ -4,6 +4,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/array.h"
 #include "shape/meshed.h"
@@ -32,6 +33,8 @@ typedef struct SweepMaker {
     const Outline2 *hollow;
     Station *stations; /* closed: the last is the first again */
     size_t n_stations, capacity;
+    double *
+        natural; /* of natural curves: for each piece the velocities of x, y, z and the scale, at its begin and at its end */
     double twist, twist_rate; /* in all, in degrees; per length, in radians */
     bool folds;               /* it has been found to */
     Grower grower;
@@ -49,36 +52,73 @@ static Vec3 path_point(const SweepShape *shape, size_t i)
     return shape->path[i - 1];
 }
 
-static double path_scale(const SweepShape *shape, size_t i)
+/* The same of the scales. */
+static double scale_at(const SweepShape *shape, size_t i)
 {
+    size_t n = shape->n_path;
     if (shape->n_scales == 1) return shape->scales[0];
-    return shape->scales[shape->closed ? i % shape->n_path : i];
+    if (shape->closed) return shape->scales[(i + n - 1) % n];
+    if (i == 0) return 2 * shape->scales[0] - shape->scales[1];
+    if (i == n + 1) return 2 * shape->scales[n - 1] - shape->scales[n - 2];
+    return shape->scales[i - 1];
 }
 
-/* A piece of the path, between the second and the third of four points. */
+/* A piece of the path, from a to b, where the scale goes from s0 to s1. */
 typedef struct Piece {
-    Vec3 p[4];
-    double times[3]; /* from each to the next, see smooth.h */
-    Vec3 start, end; /* the velocities there */
+    Vec3 a, b, start, end; /* start, end: the velocities there */
+    double s0, s1, scale_start, scale_end;
 } Piece;
 
-/* The velocities of a value that has these four ones, at the piece's ends. */
+/* The velocities of a value that has these four ones at four points, between the second and the third of them. */
 static void piece_velocities(const double times[3], const double values[4], double *start, double *end)
 {
     *start = smooth_velocity(values[0], values[1], values[2], times[0], times[1]);
     *end = -smooth_velocity(values[3], values[2], values[1], times[2], times[1]);
 }
 
-static Piece piece_from(const SweepShape *shape, size_t i)
+static Piece piece_from(const SweepMaker *maker, size_t i)
 {
-    Piece piece;
-    for (size_t k = 0; k < 4; k++) piece.p[k] = path_point(shape, i + k);
-    const Vec3 *p = piece.p;
-    for (size_t k = 0; k < 3; k++) piece.times[k] = smooth_time(vec3_length(vec3_sub(p[k + 1], p[k])));
-    piece_velocities(piece.times, (double[]){p[0].x, p[1].x, p[2].x, p[3].x}, &piece.start.x, &piece.end.x);
-    piece_velocities(piece.times, (double[]){p[0].y, p[1].y, p[2].y, p[3].y}, &piece.start.y, &piece.end.y);
-    piece_velocities(piece.times, (double[]){p[0].z, p[1].z, p[2].z, p[3].z}, &piece.start.z, &piece.end.z);
+    const SweepShape *shape = maker->shape;
+    Vec3 p[4];
+    double s[4], times[3];
+    for (size_t k = 0; k < 4; k++) p[k] = path_point(shape, i + k);
+    for (size_t k = 0; k < 4; k++) s[k] = scale_at(shape, i + k);
+    Piece piece = {.a = p[1], .b = p[2], .s0 = s[1], .s1 = s[2]};
+    if (maker->natural) {
+        const double *u = maker->natural + 8 * i, *v = u + 4;
+        piece.start = vec3(u[0], u[1], u[2]);
+        piece.end = vec3(v[0], v[1], v[2]);
+        piece.scale_start = u[3];
+        piece.scale_end = v[3];
+        return piece;
+    }
+    for (size_t k = 0; k < 3; k++) times[k] = smooth_time(vec3_length(vec3_sub(p[k + 1], p[k])));
+    piece_velocities(times, (double[]){p[0].x, p[1].x, p[2].x, p[3].x}, &piece.start.x, &piece.end.x);
+    piece_velocities(times, (double[]){p[0].y, p[1].y, p[2].y, p[3].y}, &piece.start.y, &piece.end.y);
+    piece_velocities(times, (double[]){p[0].z, p[1].z, p[2].z, p[3].z}, &piece.start.z, &piece.end.z);
+    piece_velocities(times, s, &piece.scale_start, &piece.scale_end);
     return piece;
+}
+
+/* What all pieces of a natural curve need. */
+static Status solve_path(SweepMaker *maker, Error *error)
+{
+    const SweepShape *shape = maker->shape;
+    size_t n = shape->n_path;
+    if (shape->curve != SWEEP_NATURAL) return STATUS_OK;
+    double *values = calloc(5 * n, sizeof *values), *times = values + 4 * n;
+    maker->natural = calloc(8 * n, sizeof *maker->natural);
+    bool fine = values && maker->natural;
+    for (size_t i = 0; fine && i < n; i++) {
+        Vec3 p = path_point(shape, i + 1);
+        const double point[4] = {p.x, p.y, p.z, scale_at(shape, i + 1)};
+        memcpy(values + 4 * i, point, sizeof point);
+        times[i] = smooth_time(vec3_length(vec3_sub(path_point(shape, i + 2), p)));
+    }
+    const NaturalPoints points = {.values = values, .times = times, .n = n, .width = 4, .closed = shape->closed};
+    fine = fine && natural_velocities(&points, maker->natural);
+    free(values);
+    return fine ? STATUS_OK : fail_memory(error, 13 * n * sizeof *values, "a sweep");
 }
 
 /* Hermite's cubic from a to b, with these velocities at its ends. */
@@ -91,7 +131,7 @@ static double hermite(double a, double b, double start, double end, double t, do
 
 static Vec3 piece_at(const Piece *piece, double t, Vec3 *velocity)
 {
-    const Vec3 *a = &piece->p[1], *b = &piece->p[2], *start = &piece->start, *end = &piece->end;
+    const Vec3 *a = &piece->a, *b = &piece->b, *start = &piece->start, *end = &piece->end;
     return vec3(hermite(a->x, b->x, start->x, end->x, t, &velocity->x),
                 hermite(a->y, b->y, start->y, end->y, t, &velocity->y),
                 hermite(a->z, b->z, start->z, end->z, t, &velocity->z));
@@ -102,12 +142,19 @@ static double angle_between(Vec3 a, Vec3 b)
     return atan2(vec3_length(vec3_cross(a, b)), vec3_dot(a, b));
 }
 
+/* How far the outline is from the path, at a scale of 1. */
+static double outline_reach(const SweepShape *shape)
+{
+    double reach = shape->outline ? 0 : 1;
+    for (size_t i = 0; shape->outline && i < shape->outline->n_points; i++)
+        reach = fmax(reach, hypot(shape->outline->points[i].at.x, shape->outline->points[i].at.y));
+    return reach;
+}
+
 /* Degrees of twist from station to station: the outline's farthest point goes round with so small chords. */
 static double twist_step(const SweepShape *shape)
 {
-    double reach = 0, largest = 0;
-    for (size_t i = 0; i < shape->outline->n_points; i++)
-        reach = fmax(reach, hypot(shape->outline->points[i].at.x, shape->outline->points[i].at.y));
+    double reach = outline_reach(shape), largest = 0;
     for (size_t i = 0; i < shape->n_scales; i++) largest = fmax(largest, shape->scales[i]);
     return fmin(DEGREES_PER_STEP, sqrt(8 * shape->tolerance / (reach * largest)) / degree);
 }
@@ -152,16 +199,27 @@ static Status cut_sides(const SweepShape *shape, Outline2 *cut, Outline2 *hollow
     return fine ? STATUS_OK : fail_memory(error, cut->n_points * sizeof *cut->points, "a sweep");
 }
 
+/* The larger of the second derivatives at both ends of a cubic, between which they go straight. */
+static double cubic_bend(double step, double start, double end)
+{
+    return fmax(fabs(6 * step - 4 * start - 2 * end), fabs(2 * start + 4 * end - 6 * step));
+}
+
 static unsigned steps_of(const SweepShape *shape, const Piece *piece, double twist)
 {
     double steps = twist != 0 ? fabs(twist) / twist_step(shape) : 0;
-    if (shape->smooth) {
-        Vec3 m0 = piece->start, m1 = piece->end, chord = vec3_sub(piece->p[2], piece->p[1]);
-        /* second derivatives at both ends, between which they go straight */
+    if (shape->curve != SWEEP_LINEAR) {
+        Vec3 m0 = piece->start, m1 = piece->end, chord = vec3_sub(piece->b, piece->a);
         Vec3 first = vec3_sub(vec3_scale(chord, 6), vec3_add(vec3_scale(m0, 4), vec3_scale(m1, 2)));
         Vec3 last = vec3_sub(vec3_add(vec3_scale(m0, 2), vec3_scale(m1, 4)), vec3_scale(chord, 6));
         double bend = fmax(vec3_length(first), vec3_length(last));
         double turning = angle_between(m0, chord) + angle_between(chord, m1);
+        if (shape->n_scales > 1) { /* the outline's farthest point as it would go along a straight path */
+            double reach = outline_reach(shape), rise = reach * (piece->s1 - piece->s0), length = vec3_length(chord);
+            double start = reach * piece->scale_start, end = reach * piece->scale_end, middle = atan2(rise, length);
+            bend += cubic_bend(rise, start, end);
+            turning += fabs(atan2(start, vec3_length(m0)) - middle) + fabs(atan2(end, vec3_length(m1)) - middle);
+        }
         steps = fmax(steps, fmax(sqrt(bend / (8 * shape->tolerance)), turning / (DEGREES_PER_STEP * degree)));
     }
     return steps < 1 ? 1 : steps > MAX_STEPS ? MAX_STEPS : (unsigned)ceil(steps);
@@ -206,20 +264,15 @@ static Status walk_path(SweepMaker *maker, Error *error)
     for (size_t i = 0; i < n_pieces; i++)
         total += vec3_length(vec3_sub(path_point(shape, i + 2), path_point(shape, i + 1)));
     for (size_t i = 0; i < n_pieces; i++) {
-        const Piece piece = piece_from(shape, i);
-        const Vec3 *p = piece.p;
-        double s0 = path_scale(shape, i), s1 = path_scale(shape, i + 1), start, end, ignored;
-        double before = i || shape->closed ? path_scale(shape, i ? i - 1 : shape->n_path - 1) : 2 * s0 - s1;
-        double behind = i + 2 < shape->n_path || shape->closed ? path_scale(shape, i + 2) : 2 * s1 - s0;
-        piece_velocities(piece.times, (double[]){before, s0, s1, behind}, &start, &end);
-        unsigned n = steps_of(shape, &piece, maker->twist * vec3_length(vec3_sub(p[2], p[1])) / total);
+        const Piece piece = piece_from(maker, i);
+        Vec3 step = vec3_sub(piece.b, piece.a);
+        unsigned n = steps_of(shape, &piece, maker->twist * vec3_length(step) / total);
         for (unsigned k = i ? 1 : 0; k <= n; k++) {
-            double t = (double)k / n, scale = s0 + t * (s1 - s0);
-            Vec3 at = vec3_along(p[1], t, vec3_sub(p[2], p[1])), slope = vec3_sub(p[2], p[1]);
-            if (k == n) at = p[2];
-            if (shape->smooth) {
+            double t = (double)k / n, scale = piece.s0 + t * (piece.s1 - piece.s0), ignored;
+            Vec3 at = k == n ? piece.b : vec3_along(piece.a, t, step), slope = step;
+            if (shape->curve != SWEEP_LINEAR) {
                 at = piece_at(&piece, t, &slope);
-                scale = hermite(s0, s1, start, end, t, &ignored);
+                scale = hermite(piece.s0, piece.s1, piece.scale_start, piece.scale_end, t, &ignored);
             }
             if (scale < 0) scale = 0; /* the spline can swing below where radii are 0 */
             double speed = vec3_length(slope);
@@ -237,7 +290,7 @@ static Status set_corners(SweepMaker *maker, Error *error)
 {
     size_t n = maker->n_stations;
     const SweepShape *shape = maker->shape;
-    for (size_t i = 0; i < n && !shape->smooth; i++) {
+    for (size_t i = 0; i < n && shape->curve == SWEEP_LINEAR; i++) {
         Station *s = &maker->stations[i];
         bool first = i == 0, last = i + 1 == n;
         const Station *behind = last ? &maker->stations[1] : s + 1, *ahead = first ? &maker->stations[n - 2] : s - 1;
@@ -302,7 +355,8 @@ static void set_frames(SweepMaker *maker)
                         : shape->closed ? s[n - 1].along - s[n - 2].along + s[1].along
                                         : fabs(b->along - a->along);
         s[i].slope = (b->scale - a->scale) / length;
-        s[i].bend = shape->smooth ? vec3_scale(vec3_sub(b->tangent, a->tangent), 1 / length) : vec3(0, 0, 0);
+        s[i].bend =
+            shape->curve != SWEEP_LINEAR ? vec3_scale(vec3_sub(b->tangent, a->tangent), 1 / length) : vec3(0, 0, 0);
     }
     if (shape->closed) {
         Station first = s[0];
@@ -343,9 +397,10 @@ static Vec3 station_normal(const SweepMaker *maker, const Station *station, cons
     frame.u = piece->u;
     frame.v = piece->v;
     Vec3 normal = outline_vector(&frame, out), offset = vec3_scale(outline_vector(&frame, p), station->scale);
-    Vec3 t = maker->shape->smooth ? station->tangent : piece->after;
-    double slope =
-        maker->shape->smooth ? station->slope : (piece[1].scale - piece->scale) / (piece[1].along - piece->along);
+    Vec3 t = maker->shape->curve != SWEEP_LINEAR ? station->tangent : piece->after;
+    double slope = maker->shape->curve != SWEEP_LINEAR
+                       ? station->slope
+                       : (piece[1].scale - piece->scale) / (piece[1].along - piece->along);
     double rate =
         slope * (p.x * out.x + p.y * out.y) + station->scale * maker->twist_rate * (-p.y * out.x + p.x * out.y);
     return vec3_along(normal, -rate / fmax(1 - vec3_dot(station->bend, offset), 1e-3), t);
@@ -401,7 +456,7 @@ static double largest_fit(const SweepMaker *maker)
     enum { ROUNDS = 8 };
     const double margin = 0.98, settled = 0.98, most_work = 5e7;
     double fit = fit_of_stations(maker);
-    if (!maker->shape->smooth) return margin * fit;
+    if (maker->shape->curve == SWEEP_LINEAR) return margin * fit;
     SweepShape finer = *maker->shape;
     for (int i = 0; i < ROUNDS && fit > 0; i++) {
         SweepMaker again = {.shape = &finer, .outline = maker->outline, .twist = maker->twist};
@@ -434,7 +489,7 @@ static Status add_span(SweepMaker *maker, size_t i, Error *error)
             const Station *stations[4] = {a, a, b, b};
             for (int c = 0; c < 4; c++) {
                 bool second = c == 1 || c == 2;
-                const Station *at = stations[c], *frame = maker->shape->smooth ? at : a;
+                const Station *at = stations[c], *frame = maker->shape->curve != SWEEP_LINEAR ? at : a;
                 Vec3 normal = station_normal(maker, at, frame, second ? q->at : p->at, second ? q->arrive : p->leave);
                 corners[c] = grower_vertex(&maker->grower, station_point(at, second ? q->at : p->at), normal);
             }
@@ -533,7 +588,7 @@ static bool runs_into(const SweepMaker *maker, const Place *a, const Place *b)
     size_t spans = a->span > b->span ? a->span - b->span : b->span - a->span, n_spans = maker->n_stations - 1;
     if (maker->shape->closed) apart = fmin(apart, total - apart);
     if (maker->shape->closed && n_spans - spans < spans) spans = n_spans - spans;
-    if (!maker->shape->smooth && spans < 2) return false; /* a mitre keeps neighbours apart */
+    if (maker->shape->curve == SWEEP_LINEAR && spans < 2) return false; /* a mitre keeps neighbours apart */
     return apart > 90 * degree * reach && vec3_length(vec3_sub(a->at, b->at)) < 0.999 * reach;
 }
 
@@ -584,6 +639,7 @@ static Status make_all(SweepMaker *maker, SweepOverlap *overlap, Error *error)
     if (shape->closed && shape->outline && fmod(shape->twist, 360) != 0)
         return fail(error, STATUS_SCENE,
                     "a closed sweep must be twisted by whole turns to meet itself, not by %g degrees", shape->twist);
+    TRY(solve_path(maker, error));
     TRY(walk_path(maker, error));
     TRY(set_corners(maker, error));
     set_frames(maker);
@@ -620,6 +676,7 @@ Status mesh_make_sweep(const SweepShape *shape, Mesh **mesh, SweepOverlap *overl
     if (status == STATUS_OK) status = grower_finish(&maker.grower, "the sweep", mesh, error);
     grower_clear(&maker.grower);
     free(maker.stations);
+    free(maker.natural);
     outline2_clear(&own);
     outline2_clear(&hollow);
     return status;

@@ -415,6 +415,40 @@ static void test_smooth_curve(void **state)
     refuse_curve(knot, 6, LATHE_CUBIC, "crosses or touches itself");
 }
 
+static void test_natural_curve(void **state)
+{
+    (void)state;
+    const bool none[16] = {false};
+    /* through both poles and a point of the equator: half of the curve through four points of a circle */
+    const double ball[][2] = {{0, -1}, {1, 0}, {0, 1}};
+    Solid *solid = make_curve(ball, 3, LATHE_NATURAL, none, 1e-9);
+    assert_near(solid->volume, 2137 * pi / 1680, 1e-7);
+    assert_true(largest_kink(solid) < 1e-6);
+    double r, y;
+    piece_direction(&solid->pieces[0], false, &r, &y);
+    assert_near(y, 0, 1e-7);
+    solid_free(solid);
+    /* a ring off the axis: area 61/20, by Pappus */
+    const double ring[][2] = {{4, 0}, {3, 1}, {2, 0}, {3, -1}};
+    solid = make_curve(ring, 4, LATHE_NATURAL, none, 1e-9);
+    assert_near(solid->volume, 2 * pi * 3 * 61 / 20, 1e-6);
+    assert_true(largest_kink(solid) < 1e-6);
+    solid_free(solid);
+    const double can[][2] = {{0, 0}, {2, 0}, {2, 3}, {0, 3}};
+    const bool all[] = {true, true, true, true}, rim[] = {false, true, false, false};
+    solid = make_curve(can, 4, LATHE_NATURAL, all, 0);
+    assert_near(solid->volume, 12 * pi, 1e-12);
+    solid_free(solid);
+    solid = make_curve(can, 4, LATHE_NATURAL, rim, 0);
+    assert_true(largest_kink(solid) > 0.1);
+    solid_free(solid);
+    const double twice[][2] = {{0, 0}, {2, 0}, {2, 0}, {0, 3}};
+    refuse_curve(twice, 4, LATHE_NATURAL, "profile[2] = <2, 0> repeats");
+    const double closed[][2] = {{1, 0}, {2, 0}, {2, 1}, {1, 0}};
+    refuse_curve(closed, 4, LATHE_NATURAL, "profile[3] repeats the first point");
+    refuse_curve(can, 2, LATHE_NATURAL, "at least 3 points");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -429,6 +463,7 @@ int main(void)
         cmocka_unit_test(test_many_points),
         cmocka_unit_test(test_bezier),
         cmocka_unit_test(test_smooth_curve),
+        cmocka_unit_test(test_natural_curve),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -193,6 +193,46 @@ static void uneven_points_make_smooth_curves(void **state)
                  80 + 4 * pi, 0.1, 8); /* long sides bulge a little */
 }
 
+/* Natural curves through four points of a circle: area 61/20; points that stand there twice are corners, also the first, and what
+ * is between two of them is straight. A ring through four points is as long as quadrature says. */
+static void natural_curves(void **state)
+{
+    (void)state;
+    check_volume("prism { interior = glass curve = natural to = 2 tolerance = 2e-6 outline = [<1, 0>, <0, 1>, <-1, 0>, "
+                 "<0, -1>] }",
+                 2 * 61. / 20, 1e-5, 5);
+    check_volume("prism { interior = glass curve = natural outline = [<1, 0>, <1, 0>, <0, 1>, <0, 1>, <-1, 0>, <-1, "
+                 "0>, <0, -1>, <0, -1>] }",
+                 2, 1e-6, 1);
+    check_volume("prism { interior = glass curve = natural outline = [<0, -1>, <0, -1>, <1, 0>, <0, 1>, <0, 1>] "
+                 "tolerance = 2e-6 }",
+                 1.25, 1e-5, 5);
+    double length = 0; /* of the four cubics, by the midpoint rule */
+    for (int i = 0; i < 10000; i++) {
+        double t = (i + 0.5) / 10000, x = -1.5 * (1 - (1 - t) * (1 - t)), y = 1.5 * (1 - t * t);
+        length += 4 * hypot(x, y) / 10000;
+    }
+    check_volume("sweep { interior = glass curve = natural closed = true radius = .1 tolerance = 2e-6 "
+                 "path = [<1, 0, 0>, <0, 0, 1>, <-1, 0, 0>, <0, 0, -1>] }",
+                 length * pi * 0.01, 1e-4, 3);
+    /* radii as the path: 1, 0, 1 at even steps, r = 1 - (3 t - t^3) / 2 up to the middle */
+    double volume = 0;
+    for (int i = 0; i < 10000; i++) {
+        double t = (i + 0.5) / 10000, r = 1 - (3 * t - t * t * t) / 4;
+        volume += 2 * pi * r * r / 10000;
+    }
+    check_volume("sweep { interior = glass curve = natural radius = [1, .5, 1] tolerance = 1e-5 path = [<0, -1, 0>, "
+                 "<0, 0, 0>, <0, 1, 0>] }",
+                 volume, 1e-4, 6);
+    REFUSED("prism { interior = glass curve = natural outline = [<0, 0>, <1, 0>] }", D_DEGENERATE_SHAPE);
+    REFUSED("prism { interior = glass curve = natural outline = [<0, 0>, <0, 0>, <0, 0>] }", D_DEGENERATE_SHAPE);
+    REFUSED("prism { interior = glass curve = natural outline = [<0, 0>, <1, 0>, <0, 0>] }", D_DEGENERATE_SHAPE);
+    REFUSED("prism { interior = glass curve = natural outline = [<0, 0>, <1, 0>, <1, 0>, <0, 0>] }",
+            D_DEGENERATE_SHAPE);
+    REFUSED("sweep { interior = glass curve = natural path = [<0, 0, 0>, <1, 0, 0>, <1, 0, 0>] }", D_DEGENERATE_SHAPE);
+    REFUSED("sweep { interior = glass curve = natural path = [<0, 0, 0>] }", D_DEGENERATE_SHAPE);
+}
+
 /* A thread has few triangles, a tube that is as thick as it is long has many; said by their tolerances. */
 static void threads_have_few_triangles(void **state)
 {
@@ -505,6 +545,7 @@ int main(void)
         cmocka_unit_test(sweeps),
         cmocka_unit_test(twisted_ends_do_not_cross),
         cmocka_unit_test(uneven_points_make_smooth_curves),
+        cmocka_unit_test(natural_curves),
         cmocka_unit_test(threads_have_few_triangles),
         cmocka_unit_test(sweeps_that_cannot_be),
         cmocka_unit_test(sweeps_of_all_kinds),
