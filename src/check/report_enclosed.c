@@ -165,7 +165,7 @@ static bool holds_no_camera(Enclosures *e, uint32_t object)
         Box3 box = scene_camera_bounds(scene, camera);
         for (uint32_t k = 0; camera->keys && k < scene->n_keys; k++)
             box = box3_union(box, scene_camera_bounds(scene, &camera->keys[k]));
-        Vec3 lens = vec3(camera->lens_radius, camera->lens_radius, camera->lens_radius);
+        Vec3 lens = vec3(camera->lens_reach, camera->lens_reach, camera->lens_reach);
         uint32_t cells_left = CELLS_OF_CAMERA;
         box = (Box3){vec3_sub(box.min, lens), vec3_add(box.max, lens)};
         if (!is_clear_of(e, object, box, &cells_left)) return false;

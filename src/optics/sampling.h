@@ -74,6 +74,23 @@ static inline float sampling_disc(float u, float v, float *x, float *y)
     return radius;
 }
 
+/* Uniform on a polygon of n corners, x and y of each, of which each side makes a triangle of the same area with the middle, <0, 0>: as sampling_disc, squares about
+ * the middle become the polygon's own shape, and their turn goes around it with the area. */
+static inline void sampling_polygon(float u, float v, const float *corners, uint32_t n, float *x, float *y)
+{
+    float a = 2 * u - 1, b = 2 * v - 1, size = float_max(fabsf(a), fabsf(b)), turn = 0;
+    if (fabsf(a) > fabsf(b))
+        turn = (a > 0 ? 0.125f : 0.625f) + 0.125f * (b / a);
+    else if (b != 0)
+        turn = (b > 0 ? 0.375f : 0.875f) - 0.125f * (a / b);
+    float place = turn * (float)n;
+    uint32_t side = (uint32_t)place < n ? (uint32_t)place : n - 1;
+    float along = place - (float)side;
+    const float *from = corners + 2 * side, *to = corners + 2 * (side + 1 < n ? side + 1 : 0);
+    *x = size * (from[0] + along * (to[0] - from[0]));
+    *y = size * (from[1] + along * (to[1] - from[1]));
+}
+
 /* In proportion to the cosine about the unit normal (N. Malley: the disc, projected up). Never below the
  * surface; *pdf_w is cos/pi and above 0. The height needs the distance from the middle alone, and so need not wait for the
  * point. */

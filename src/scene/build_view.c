@@ -7,6 +7,7 @@
 
 #include "base/file.h"
 #include "scene/build_parts.h"
+#include "scene/iris.h"
 
 static const double degree = 3.14159265358979323846 / 180;
 
@@ -61,6 +62,24 @@ static bool focus(Builder *b, const EvalNode *node, const Affine *to_world, Scen
     if (camera->focus_distance > 0) return true;
     diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop->span, "the camera cannot focus on a point behind it");
     return false;
+}
+
+/* Blades that make a whole circle are none. */
+static void iris(Builder *b, const EvalNode *node, SceneCamera *camera)
+{
+    const EvalProp *blades = eval_prop(node, "blades");
+    static const char *const needy[] = {"blade_rotation", "blade_roundness"};
+    for (size_t i = 0; i < COUNT_OF(needy); i++) build_needs_other(b, node, needy[i], "blades", "without blades");
+    camera->lens_reach = camera->lens_radius;
+    if (!blades) return;
+    build_needs_other(b, node, "blades", "aperture", "without an aperture");
+    SceneIris made = {.blades = (uint32_t)blades->as.number,
+                      .rotation = eval_number(node, "blade_rotation"),
+                      .roundness = eval_number(node, "blade_roundness")};
+    if (camera->lens_radius == 0 || made.roundness == 1) return;
+    made.corners = iris_corners(b->arena, made.blades, fmod(made.rotation, 360) * degree, made.roundness, &made.n_corners);
+    camera->lens_reach = camera->lens_radius * iris_reach(made.corners, made.n_corners);
+    camera->iris = made;
 }
 
 /* All cameras of a scene share the time for which the shutter is open. */
@@ -175,7 +194,8 @@ void build_camera(Builder *b, const EvalNode *node, const Affine *to_world)
     if (!measure_picture(b, node, scale, &camera)) return;
     if (!build_check_reach(b, from->span, "the camera", box3_add_point(box3_empty(), camera.from))) return;
     if (!orient(b, node, to_world, &camera) || !focus(b, node, to_world, &camera)) return;
-    if (!(camera.lens_radius <= SCENE_REACH)) {
+    iris(b, node, &camera);
+    if (!(camera.lens_reach <= SCENE_REACH)) {
         diag_report(b->diag, D_VALUE_OUT_OF_RANGE, build_span(node, "aperture"), "an aperture of %g is too large",
                     2 * camera.lens_radius);
         return;

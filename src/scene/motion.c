@@ -151,6 +151,9 @@ static void move_cameras(Finder *f)
             }
             if (then->lens_radius != camera->lens_radius)
                 motion_report(f, &camera->span, "the aperture of ", camera->name);
+            else if (then->iris.blades != camera->iris.blades || then->iris.rotation != camera->iris.rotation ||
+                     then->iris.roundness != camera->iris.roundness)
+                motion_report(f, &camera->span, "the iris of ", camera->name);
             for (uint32_t later = key; later < f->n_keys; later++) {
                 keys[later].from = then->from;
                 keys[later].right = then->right;

@@ -235,6 +235,14 @@ typedef enum SceneProjection {
     PROJECTION_COUNT
 } SceneProjection;
 
+/* What the lens of a camera is seen through: an opening between blades, as scene/iris.h makes it. */
+typedef struct SceneIris {
+    uint32_t blades; /* 0: none, a disc */
+    double rotation, roundness;
+    uint32_t n_corners;
+    const float *corners; /* of each how far it is to the right and up, in units of the lens's radius */
+} SceneIris;
+
 typedef struct SceneCamera {
     const struct SceneCamera *keys; /* NULL, or n_keys of them: where it is while the shutter is open */
     uint64_t identity;
@@ -244,7 +252,9 @@ typedef struct SceneCamera {
     Vec3 right, up, forward; /* orthonormal */
     SceneProjection projection;
     double half_width;       /* of the picture: perspective, at distance 1; orthographic, a length; others, radians */
-    double lens_radius;      /* 0: pinhole */
+    double lens_radius;      /* 0: pinhole; of a disc as large as the iris, where there is one */
+    double lens_reach;       /* how far its points are from its middle: the same for a disc */
+    SceneIris iris;
     double focus_distance;   /* along forward */
     const uint32_t *expect;  /* media, outermost first, that the camera must be inside of; NULL: not stated */
     uint32_t n_expect;

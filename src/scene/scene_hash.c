@@ -373,6 +373,11 @@ static void add_camera(Hasher *h, const SceneCamera *camera)
     add_number(h, camera->half_width);
     add_number(h, camera->lens_radius);
     if (camera->lens_radius > 0) add_number(h, camera->focus_distance);
+    if (camera->iris.blades > 0) {
+        add_integer(h, camera->iris.blades);
+        add_number(h, camera->iris.rotation);
+        add_number(h, camera->iris.roundness);
+    }
 }
 
 static void add_cameras(Hasher *h, const Scene *scene)

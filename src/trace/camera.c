@@ -49,7 +49,10 @@ bool camera_ray(const SceneCamera *camera, FilmPoint point, const float lens[2],
     }
     if (camera->lens_radius > 0) {
         float lens_x, lens_y;
-        sampling_disc(lens[0], lens[1], &lens_x, &lens_y);
+        if (camera->iris.n_corners)
+            sampling_polygon(lens[0], lens[1], camera->iris.corners, camera->iris.n_corners, &lens_x, &lens_y);
+        else
+            sampling_disc(lens[0], lens[1], &lens_x, &lens_y);
         Vec3 focus = vec3_along(origin, camera->focus_distance, direction);
         origin = vec3_along(origin, (double)lens_x * camera->lens_radius, camera->right);
         origin = vec3_along(origin, (double)lens_y * camera->lens_radius, camera->up);

@@ -50,7 +50,7 @@ static Status look_at_cell(const CompiledScene *compiled, Lens *lens, HitList *h
 static void measure(Lens *lens, const SceneFilm *film)
 {
     const SceneCamera *camera = lens->camera;
-    lens->half[0] = lens->half[1] = camera->lens_radius;
+    lens->half[0] = lens->half[1] = camera->lens_reach;
     if (camera->projection != PROJECTION_ORTHOGRAPHIC) return;
     double pixel = 2 * camera->half_width / film->width;
     lens->half[0] += 0.5 * pixel * (film->width + 1.0);

@@ -186,7 +186,7 @@ static bool lens_may_cross(const World *world)
         if (pass == SCENE_NONE || world->scene->objects[i].shape == SCENE_NONE) continue;
         if (orthographic && (compiled->unbounded[pass] || camera->keys)) return true;
         Box3 box = passed_bounds(world, i);
-        if (orthographic ? reaches_into_plane(box, camera) : comes_near(box, places, camera->lens_radius * 1.0001))
+        if (orthographic ? reaches_into_plane(box, camera) : comes_near(box, places, camera->lens_reach * 1.0001))
             return true;
     }
     return false;

@@ -21,7 +21,7 @@ static double part_known(const char *text)
     const SceneCamera *camera = &fixture.scene->cameras[0];
     assert_int_equal(lens_new(fixture.compiled, camera, &lens, &fixture.error), STATUS_OK);
     for (int i = 0; i < POINTS; i++) {
-        double angle = 7 * dice_unit(&dice), r = camera->lens_radius * sqrt(dice_unit(&dice));
+        double angle = 7 * dice_unit(&dice), r = camera->lens_reach * sqrt(dice_unit(&dice));
         Vec3 middle = scene_camera_place(fixture.scene, camera, 2 * dice_unit(&dice) - 1, 2 * dice_unit(&dice) - 1);
         Vec3 at = vec3_along(vec3_along(middle, r * cos(angle), camera->right), r * sin(angle), camera->up);
         const NestList *known = lens_list_at(lens, at);
@@ -33,7 +33,7 @@ static double part_known(const char *text)
         n_inside += nest_list_count(&list) > 0;
     }
     printf("  %d of %d points known, %d of them inside of something\n", n_known, POINTS, n_inside);
-    double beyond = 2 * camera->lens_radius + 2 * camera->half_width;
+    double beyond = 2 * camera->lens_reach + 2 * camera->half_width;
     assert_null(lens_list_at(lens, vec3_along(camera->from, beyond, camera->right)));
     lens_free(lens);
     nest_list_clear(&list);
@@ -87,6 +87,16 @@ static void picture_planes(void **state)
         part_known(FIXTURE_MEDIA "sphere { interior = water  radius = 2  center = <0, 30, 0> } " PARALLEL("")) == 1);
 }
 
+/* The corners of three blades are half as far again from the middle as the rim of a disc of their area. */
+static void blades(void **state)
+{
+    (void)state;
+    assert_true(part_known(FIXTURE_MEDIA "plane { interior = water  distance = 9 } "
+                                         "sphere { interior = glass  radius = .5  center = <0, 12.8, 0> } "
+                                         "camera { from = <0, 10, 0>  to = <0, 10, -50>  aperture = 4  blades = 3 } "
+                                         "environment { } ") > 0.7);
+}
+
 static void nothing_is_near(void **state)
 {
     (void)state;
@@ -103,6 +113,7 @@ int main(void)
         cmocka_unit_test(water_line),
         cmocka_unit_test(drops_and_walls),
         cmocka_unit_test(picture_planes),
+        cmocka_unit_test(blades),
         cmocka_unit_test(nothing_is_near),
     };
     return cmocka_run_group_tests_name("lens", tests, NULL, NULL);
