@@ -232,12 +232,19 @@ static Status describe_exr(const char *path, Facts *facts, Error *error)
     return strcmp(path, "-") == 0 ? STATUS_OK : describe_state(path, facts, error);
 }
 
+static Status describe_hdr(const char *path, Facts *facts, Error *error)
+{
+    TRY(hdr_visit_header(path, add_fact, facts, error));
+    return describe_picture(path, facts, error);
+}
+
 static Status describe(const char *path, Facts *facts, Error *error)
 {
     const char *extension = file_extension(path);
     if (mesh_has_reader(extension)) return describe_mesh(path, facts, error);
     if (strcasecmp(extension, "nvdb") == 0) return describe_grids(path, facts, error);
     if (strcasecmp(extension, "exr") == 0) return describe_exr(path, facts, error);
+    if (strcasecmp(extension, "hdr") == 0) return describe_hdr(path, facts, error);
     if (strcasecmp(extension, "mns") == 0)
         return fail(error, STATUS_USAGE, "'%s' is a scene; 'meniscus check %s' says what it holds", path, path);
     return describe_picture(path, facts, error);

@@ -115,7 +115,7 @@ void image_decode_srgb(Image *image)
     }
 }
 
-typedef enum Format { FORMAT_UNKNOWN, FORMAT_EXR, FORMAT_PNG, FORMAT_JPEG } Format;
+typedef enum Format { FORMAT_UNKNOWN, FORMAT_EXR, FORMAT_PNG, FORMAT_JPEG, FORMAT_HDR } Format;
 
 static Format format_of_bytes(const unsigned char *bytes, size_t length)
 {
@@ -124,6 +124,7 @@ static Format format_of_bytes(const unsigned char *bytes, size_t length)
     if (length >= sizeof exr_magic && memcmp(bytes, exr_magic, sizeof exr_magic) == 0) return FORMAT_EXR;
     if (length >= sizeof png_magic && memcmp(bytes, png_magic, sizeof png_magic) == 0) return FORMAT_PNG;
     if (length >= 3 && bytes[0] == 0xff && bytes[1] == 0xd8 && bytes[2] == 0xff) return FORMAT_JPEG;
+    if (length >= 2 && bytes[0] == '#' && bytes[1] == '?') return FORMAT_HDR;
     return FORMAT_UNKNOWN;
 }
 
@@ -148,6 +149,7 @@ Status image_read_as(const char *path, Image *image, bool *encoded, Error *error
         const char *extension = file_extension(path);
         if (strcasecmp(extension, "exr") == 0) format = FORMAT_EXR;
         if (strcasecmp(extension, "png") == 0) format = FORMAT_PNG;
+        if (strcasecmp(extension, "hdr") == 0) format = FORMAT_HDR;
         if (strcasecmp(extension, "jpg") == 0 || strcasecmp(extension, "jpeg") == 0) format = FORMAT_JPEG;
     }
     if (encoded) *encoded = format == FORMAT_PNG || format == FORMAT_JPEG;
@@ -155,11 +157,12 @@ Status image_read_as(const char *path, Image *image, bool *encoded, Error *error
     case FORMAT_EXR: return exr_read(path, image, error);
     case FORMAT_PNG: return png_read(path, image, error);
     case FORMAT_JPEG: return jpeg_read(path, image, error);
+    case FORMAT_HDR: return hdr_read(path, image, error);
     case FORMAT_UNKNOWN: break;
     }
     if (stat(path, &facts) != 0) return fail(error, STATUS_INPUT, "cannot read '%s': %s", path, strerror(errno));
     if (S_ISDIR(facts.st_mode)) return fail(error, STATUS_INPUT, "cannot read '%s': it is a directory", path);
-    return fail(error, STATUS_INPUT, "cannot read '%s': it is neither an EXR nor a PNG or JPEG picture", path);
+    return fail(error, STATUS_INPUT, "cannot read '%s': it is neither an EXR nor a PNG, JPEG or Radiance picture (.hdr)", path);
 }
 
 Status image_read(const char *path, Image *image, Error *error)

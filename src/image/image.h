@@ -1,4 +1,4 @@
-/* image.h - pictures in memory, EXR, PNG and JPEG files.
+/* image.h - pictures in memory, EXR, PNG, JPEG and Radiance's files.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_IMAGE_H
 #define MEN_IMAGE_H
@@ -83,7 +83,14 @@ ATTR_NODISCARD Status png_read(const char *path, Image *image, Error *error);
 /* 8 bits, grey or colour, baseline or progressive, as display-referred R, G, B in 0..1; how a camera was held (EXIF) is not
  * looked at. STATUS_INPUT for CMYK, and for files that are damaged or cut short. */
 ATTR_NODISCARD Status jpeg_read(const char *path, Image *image, Error *error);
-/* By content, then extension: EXR, PNG, JPEG. *encoded (may be NULL): whether its values are a display's, as those of PNG
+/* Radiance's pictures (.hdr): mantissas and exponents (RGBE, XYZE), flat or in runs, in any of the eight orders of lines and places.
+ * As linear R, G, B, divided by EXPOSURE and COLORCORR; what has other PRIMARIES than Rec.709's, or X, Y, Z, is brought to these, white
+ * to white, and not below 0. Pixels are taken as square. STATUS_INPUT for files that are damaged, cut short or of another FORMAT. */
+ATTR_NODISCARD Status hdr_read(const char *path, Image *image, Error *error);
+/* Every line "name=text" of the header, in order. */
+typedef void HdrVisit(void *context, const char *name, const char *text);
+ATTR_NODISCARD Status hdr_visit_header(const char *path, HdrVisit *visit, void *context, Error *error);
+/* By content, then extension: EXR, PNG, JPEG, Radiance's. *encoded (may be NULL): whether its values are a display's, as those of PNG
  * and JPEG, rather than linear. */
 ATTR_NODISCARD Status image_read_as(const char *path, Image *image, bool *encoded, Error *error);
 /* The same without that. */

@@ -77,6 +77,8 @@ png whole.png 40 40 1 2 3
 head -c 60 whole.png > cut.png
 echo 'hello' > text.png
 printf '\377\330\377\340hello' > broken.jpg
+printf '#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8\n\002\002\000\010\210a' > broken.hdr
+printf '#?RADIANCE\nFORMAT=Radiance_spectra\n\n-Y 1 +X 1\n1234' > spectra.hdr
 "$python" -c '
 import struct, zlib
 def chunk(kind, body):
@@ -84,12 +86,44 @@ def chunk(kind, body):
 open("huge.png", "wb").write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 65000, 65000, 8, 2, 0, 0, 0))
     + chunk(b"IDAT", zlib.compress(b"\0" * 1000)) + chunk(b"IEND", b""))'
 : > empty.png
-for file in cut.png text.png broken.jpg huge.png empty.png; do
+for file in cut.png text.png broken.jpg huge.png empty.png broken.hdr spectra.hdr; do
     ball bad.mns "albedo = image { file = \"$file\" }"
     run check bad.mns
     exits 3
     matches err "^bad\.mns:2:[0-9]+: error: cannot read '.*$file'"
 done
+end
+
+begin "a picture of Radiance's lights a scene, covers a surface, and is viewed, compared and described as an EXR file is"
+"$python" -c '
+line = b"\2\2\0\x10" + b"".join(bytes([144, byte]) for byte in (159, 127, 95, 131))
+open("sky.hdr", "wb").write(b"#?RADIANCE\nSOFTWARE=a test\nFORMAT=32-bit_rle_rgbe\nEXPOSURE=2\n\n-Y 8 +X 16\n" + 8 * line)'
+ball by-image.mns 'albedo = .5'
+sed 's/environment { color = .5 }/environment { image = "sky.hdr" }/' by-image.mns > sky.mns
+sed 's/environment { color = .5 }/environment { color = rgb(159.5, 127.5, 95.5) \/ 64 }/' by-image.mns > colour.mns
+run render sky.mns -o sky.exr
+exits 0
+run render colour.mns -o colour.exr
+exits 0
+run compare sky.exr colour.exr --max-rmse 0.04
+exits 0
+sed 's/albedo = .5/albedo = image { file = "sky.hdr"  clip = true }/' by-image.mns > covered.mns
+run check covered.mns
+exits 0
+run view sky.hdr -o sky.png
+exits 0
+run compare sky.hdr sky.hdr --max-rmse 0
+exits 0
+matches out '^mean of B +2.49219 1.99219 1.49219$'
+run info sky.hdr
+exits 0
+matches out '^SOFTWARE +a test$'
+matches out '^EXPOSURE +2$'
+matches out '^width +16$'
+printf '#?RADIANCE\nFORMAT=Radiance_spectra\n\n-Y 1 +X 1\n1234' > spectra.hdr
+run info spectra.hdr
+exits 4
+says err 'save it as one of these, or as .exr'
 end
 
 begin "a value that no surface reflects: file, pixel, value and cure; clip holds it"

@@ -98,6 +98,15 @@ def jpeg(components, progressive):
             segment(0xda, scan) + bytes([int(bits, 2)]) + b"\xff\xd9")
 
 
+def hdr(kind, order):
+    """8 by 8 pixels: flat, or in runs of the old or the new kind."""
+    line = {"flat": b"".join(bytes([7 * i, 90, 255 - i, 128]) for i in range(8)),
+            "old": bytes([9, 90, 30, 128, 1, 1, 1, 4, 50, 60, 70, 127, 1, 1, 1, 2]),
+            "new": b"\2\2\0\x08" + bytes([136, 90, 3, 1, 2, 3, 133, 7, 8] + list(range(8)) + [136, 128])}[kind]
+    return (b"#?RADIANCE\n# seed\nFORMAT=32-bit_rle_" + (b"xyze" if kind == "old" else b"rgbe") + b"\nEXPOSURE=2\n" +
+            b"COLORCORR=1 .5 2\nPRIMARIES=.708 .292 .17 .797 .131 .046 .3127 .329\n\n" + order.encode() + b"\n" + 8 * line)
+
+
 def exr(half, compression):
     attribute = lambda name, kind, value: name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<i", len(value)) + value
     channels = b"".join(c + b"\0" + struct.pack("<iB3xii", 1 if half else 2, 0, 1, 1) for c in (b"B", b"G", b"R")) + b"\0"
@@ -160,6 +169,9 @@ def main():
     for components in (1, 3):
         for progressive in (False, True):
             put(os.path.join(top, "jpeg"), f"{components}-{progressive}.jpg", jpeg(components, progressive))
+    for kind in ("flat", "old", "new"):
+        for order in ("-Y 8 +X 8", "+X 8 +Y 8"):
+            put(os.path.join(top, "hdr"), f"{kind}{order[:2]}.hdr", hdr(kind, order))
     for half in (True, False):
         for compression in (0, 1, 3):
             put(os.path.join(top, "exr"), f"{half}-{compression}.exr", exr(half, compression))
