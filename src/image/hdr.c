@@ -1,5 +1,5 @@
-/* hdr.c - Radiance's pictures (.hdr, .pic): a header of text, then lines of pixels with three mantissas and one exponent, flat or in
- * runs of the old or the new kind. G. Ward, "Real Pixels", Graphics Gems II (1991), and "The RADIANCE Picture File Format".
+/* hdr.c - Radiance's pictures (.hdr): a header of text, then lines of pixels with three mantissas and one exponent, flat or
+ * in runs of the old or the new kind. G. Ward, "Real Pixels", Graphics Gems II (1991), and "The RADIANCE Picture File Format".
  * Strict: whatever does not agree with the header ends the reading.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <float.h>
@@ -12,12 +12,11 @@
 #include "base/vec3.h"
 #include "image/image.h"
 
-/* BEST_RATIO: so many pixels to a byte has a picture of one colour, 8192 pixels wide, in runs of the old kind; new ones have 16. */
 enum {
     MAX_SIDE = 65536,
-    BEST_RATIO = 1024,
-    LONGEST_TOLD = 60,
-    NEW_LEAST = 8,
+    BEST_RATIO = 1024, /* pixels to a byte: of one colour, 8192 of them wide, in old runs; new ones have 16 */
+    LONGEST_TOLD = 60, /* of what a message quotes */
+    NEW_LEAST = 8,     /* how long lines in new runs are, at least and at most */
     NEW_MOST = 32767,
     EXPONENT_OFFSET = 128 + 8
 };

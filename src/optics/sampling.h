@@ -74,8 +74,9 @@ static inline float sampling_disc(float u, float v, float *x, float *y)
     return radius;
 }
 
-/* Uniform on a polygon of n corners, x and y of each, of which each side makes a triangle of the same area with the middle, <0, 0>: as sampling_disc, squares about
- * the middle become the polygon's own shape, and their turn goes around it with the area. */
+/* Uniform on a polygon of n corners, x and y of each, of which each side makes a triangle of the same area with the middle,
+ * <0, 0>: as in sampling_disc, squares about the middle become the polygon's own shape, and their turn goes around it with the
+ * area. */
 static inline void sampling_polygon(float u, float v, const float *corners, uint32_t n, float *x, float *y)
 {
     float a = 2 * u - 1, b = 2 * v - 1, size = float_max(fabsf(a), fabsf(b)), turn = 0;

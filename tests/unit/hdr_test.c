@@ -1,4 +1,5 @@
-/* hdr_test.c - Radiance's pictures: flat, in old and new runs, in all eight orders; what their headers say; damage, what is not read.
+/* hdr_test.c - Radiance's pictures: flat, in old and new runs, in all eight orders; what their headers say; damage, and what
+ * is not read.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "test.h"
 
