@@ -3,7 +3,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "truth.h"
 
-#include <complex.h>
+#include "complex_of.h"
 
 enum { PIXELS = 64, SEEDS = 16 };
 static const double lens = 20, spot = 2; /* radii of the disc of the lens's area and of the light in focus, in pixels */
@@ -34,7 +34,7 @@ static void iris_moments(const Case *c, double *squared, double *power)
     double complex sum = 0;
     for (int i = 0; i < STEPS; i++) {
         double angle = end * (2 * (i + 0.5) / STEPS - 1);
-        double complex at = (radius * cexp(CMPLX(0, angle)) - behind) * cexp(CMPLX(0, half));
+        double complex at = (radius * cexp(complex_of(0, angle)) - behind) * cexp(complex_of(0, half));
         double sector = radius * (radius - behind * cos(angle)); /* twice its area, for its angle */
         area += sector;
         second += sector * pow(cabs(at), 2) / 2;
@@ -65,13 +65,13 @@ static Moments measure(const Case *c)
         for (uint32_t y = 0; y < PIXELS; y++)
             for (uint32_t x = 0; x < PIXELS; x++) {
                 double value = truth_luminance(&picture, x, y);
-                double complex at = CMPLX(x + 0.5 - PIXELS / 2, PIXELS / 2 - 0.5 - y) / lens;
+                double complex at = complex_of(x + 0.5 - PIXELS / 2, PIXELS / 2 - 0.5 - y) / lens;
                 sum += value;
                 second += value * pow(cabs(at), 2);
                 power += value * cpow(at, c->n);
             }
         truth_clear(&picture);
-        power *= cexp(CMPLX(0, -TRUTH_PI / 180 * c->top * c->n));
+        power *= cexp(complex_of(0, -TRUTH_PI / 180 * c->top * c->n));
         light[seed] = sum / (TRUTH_PI * spot * spot);
         squared[seed] = second / sum;
         along[seed] = creal(power) / sum;

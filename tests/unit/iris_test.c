@@ -3,8 +3,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "test.h"
 
-#include <complex.h>
-
+#include "complex_of.h"
 #include "near.h"
 #include "optics/sampling.h"
 #include "scene/iris.h"
@@ -29,7 +28,7 @@ static void iris_open(Iris *iris, uint32_t n_blades, double rotation, double rou
 static double complex corner(const Iris *iris, uint32_t i)
 {
     const float *at = iris->corners + 2 * (i % iris->n);
-    return CMPLX((double)at[0], (double)at[1]);
+    return complex_of((double)at[0], (double)at[1]);
 }
 
 static double triangle(double complex a, double complex b)
@@ -74,7 +73,7 @@ static void edges_are_arcs(void **state)
             uint32_t chords = iris.n / blades[i];
             double size = cabs(corner(&iris, 0)), half = pi / blades[i], bulge = roundnesses[k] * (1 - cos(half));
             double radius = bulge > 0 ? (sin(half) * sin(half) + bulge * bulge) / (2 * bulge) : 0;
-            double complex out = cexp(CMPLX(0, half - 1 + pi / 2)); /* towards the middle of the first edge */
+            double complex out = cexp(complex_of(0, half - 1 + pi / 2)); /* towards the middle of the first edge */
             double complex middle = out * (cos(half) + bulge - radius);
             for (uint32_t side = 0; side < chords; side++) {
                 double complex a = corner(&iris, side) / size, b = corner(&iris, side + 1) / size;
@@ -90,7 +89,7 @@ static double complex place(const Iris *iris, double u, double v)
 {
     float x, y;
     sampling_polygon((float)u, (float)v, iris->corners, iris->n, &x, &y);
-    return CMPLX((double)x, (double)y);
+    return complex_of((double)x, (double)y);
 }
 
 /* Small squares anywhere become areas of one size, but for those that a side's end goes through; and no two near numbers become
