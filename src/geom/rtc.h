@@ -196,6 +196,13 @@ static inline Vec3f rtc_shading_normal(const RtcScene *scene, const Ray *ray, co
     return hit->smooth ? rtc_smooth_normal(scene, ray, hit) : hit->normal;
 }
 
+/* How far the curved surface that interpolated normals describe stands out over the one that was met, towards the side that the
+ * ray comes from and along `up`, a unit vector on that side. [Hanika21]: the place is projected on the planes that touch the curved
+ * surface at the corners of the triangle (at the ends of the band), where it is below them, and these points are interpolated as
+ * the normals are. That is twice as high as a surface of even curvature is; this is half of it. 0 where the curved surface is
+ * hollow, and of a hit that is not smooth. */
+double rtc_bulge(const RtcScene *scene, const Ray *ray, const Hit *hit, Vec3f up);
+
 /* Where on its object a surface was met, for textures: in the object's own frame, where it stays while the object moves or
  * its mesh deforms. */
 typedef struct RtcCoordinates {

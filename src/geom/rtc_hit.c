@@ -30,11 +30,16 @@ static inline bool is_left(const Query *query, uint32_t object, uint32_t primiti
     return false;
 }
 
+static Vec3 between(Vec3 begin, Vec3 end, double time)
+{
+    return vec3_add(vec3_scale(begin, 1 - time), vec3_scale(end, time));
+}
+
 static Vec3 local_corner(const RtcMesh *mesh, const RtcQuad *quad, uint32_t k, double time)
 {
     Vec3 p = vec3_from_f(quad->corner[k]);
     if (!mesh->end) return p;
-    return vec3_add(vec3_scale(p, 1 - time), vec3_scale(vec3_from_f(mesh->end->positions[quad->vertex[k]]), time));
+    return between(p, vec3_from_f(mesh->end->positions[quad->vertex[k]]), time);
 }
 
 /* In world space; a mirrored instance has two of them swapped, so that the counter-clockwise side is outside in any
@@ -300,6 +305,45 @@ Vec3f rtc_smooth_normal(const RtcScene *scene, const Ray *ray, const Hit *hit)
     const RtcPlaced *object = &scene->objects[hit->object];
     if (UNLIKELY(hit->t <= WEDGE * hit->rounding) && ray->n_left) return hit->normal;
     return object->is_mesh ? mesh_shading(scene, object, ray->time, hit) : piece_shading(scene, object, ray, hit);
+}
+
+/* Twice rtc_bulge, as a vector in the mesh's own frame. */
+static Vec3 mesh_bulge(const RtcMesh *mesh, double time, const Hit *hit)
+{
+    const Mesh *source = mesh->source, *end = mesh->end;
+    const double weight[3] = {1 - (double)hit->u - (double)hit->v, (double)hit->u, (double)hit->v};
+    double side = hit->entering ? 1 : -1;
+    uint32_t of[3];
+    rtc_triangle_of(mesh, hit->primitive, of);
+    Vec3 corner[3], place = vec3(0, 0, 0), bulge = vec3(0, 0, 0);
+    for (int i = 0; i < 3; i++) {
+        corner[i] = vec3_from_f(source->positions[of[i]]);
+        if (end) corner[i] = between(corner[i], vec3_from_f(end->positions[of[i]]), time);
+        place = vec3_along(place, weight[i], corner[i]);
+    }
+    for (int i = 0; i < 3; i++) {
+        Vec3 normal = vec3_from_f(source->normals[of[i]]);
+        if (end && end->normals) normal = between(normal, vec3_from_f(end->normals[of[i]]), time);
+        double height = side * vec3_dot(vec3_sub(corner[i], place), normal);
+        if (height > 0) bulge = vec3_along(bulge, side * height * weight[i], normal);
+    }
+    return bulge;
+}
+
+double rtc_bulge(const RtcScene *scene, const Ray *ray, const Hit *hit, Vec3f up)
+{
+    if (!hit->smooth) return 0;
+    const RtcPlaced *object = &scene->objects[hit->object];
+    Affine to_world = rtc_to_world(scene, object, ray->time);
+    Vec3 bulge;
+    if (object->is_mesh) {
+        bulge = mesh_bulge(object->mesh, ray->time, hit);
+    } else {
+        Affine to_local = rtc_to_local(scene, object, ray->time);
+        Vec3 place = affine_point(&to_local, ray_point(ray, hit->t));
+        bulge = piece_bulge(&object->solid->pieces[hit->primitive], place, hit->entering);
+    }
+    return 0.5 * vec3_dot(affine_vector(&to_world, bulge), vec3_from_f(up));
 }
 
 /* Keeps one hit of each object, the one nearest to where the new ray starts, and all triangles that have that very point in

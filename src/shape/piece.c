@@ -497,6 +497,17 @@ static Vec3 from_half_plane(Vec3 p, double r, double y)
     return vec3(out.x * r, y, out.z * r);
 }
 
+Vec3 piece_bulge(const Piece *piece, Vec3 p, bool outside)
+{
+    if (!piece_is_smoothed(piece)) return vec3(0, 0, 0);
+    double r = sqrt(p.x * p.x + p.z * p.z), s = band_fraction(piece, r, p.y), side = outside ? 1 : -1;
+    double nr0 = (double)piece->nr0, ny0 = (double)piece->ny0, nr1 = (double)piece->nr1, ny1 = (double)piece->ny1;
+    double from0 = side * ((piece->r0 - r) * nr0 + (piece->y0 - p.y) * ny0);
+    double from1 = side * ((piece->r1 - r) * nr1 + (piece->y1 - p.y) * ny1);
+    double height0 = side * (1 - s) * double_max(from0, 0), height1 = side * s * double_max(from1, 0);
+    return from_half_plane(p, height0 * nr0 + height1 * nr1, height0 * ny0 + height1 * ny1);
+}
+
 void piece_gradients(const Piece *piece, Vec3 p, Vec3 *du, Vec3 *dv)
 {
     double square = p.x * p.x + p.z * p.z, r = sqrt(square), span = (double)piece->v1 - (double)piece->v0;

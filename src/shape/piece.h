@@ -89,6 +89,9 @@ static inline bool piece_is_smoothed(const Piece *piece)
 }
 /* The geometry at one of these crossings. */
 void piece_surface(const Piece *piece, Vec3 org, Vec3 dir, double t, PieceRoot *root);
+/* Twice as far as the curved surface that the shading normals of a band describe stands out over the band at a point of it, in the
+ * piece's frame, seen from outside (outside: true) or from within: see rtc_bulge. Zero of all other pieces. */
+Vec3 piece_bulge(const Piece *piece, Vec3 p, bool outside);
 /* How u and v change at a point of the surface: their gradients along it, in the piece's frame; zero on the axis, where u
  * has none. */
 void piece_gradients(const Piece *piece, Vec3 p, Vec3 *du, Vec3 *dv);
