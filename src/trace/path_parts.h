@@ -229,6 +229,7 @@ bool path_shadow(Path *path, Ray *ray, Lanes *transmittance, uint32_t *medium_at
 typedef struct SurfacePlace {
     Vec3 position;
     Vec3f normal, geometric; /* for shading: on the geometric one's side, and against the path's direction */
+    bool apart; /* it is on the path's ray, in front of the surfaces that that has come to: rays start in free space */
 } SurfacePlace;
 SurfacePlace path_place_of(const World *world, const Ray *ray, const Hit *hit);
 static inline SurfacePlace path_place(const Path *path, const Event *event)
@@ -248,8 +249,23 @@ static inline const LightChoices *path_lights(const Path *path, bool any)
 bool path_light_arrives(Path *path, const LightSample *light, Ray *ray, Lanes *basic);
 /* Adds that, scattered by the factor, weighted against finding the light by a direction of density pdf_w, or by the guide. */
 void path_add_direct_light(Path *path, const LightSample *light, Ray *ray, Lanes scattered, float pdf_w);
+/* A ray from the place of an event's surfaces, through them (not where the place is apart) or back; next may be the path's own. Not
+ * for the place of a boundary of several hulls: see path_cross_towards. */
+static inline void path_start_ray(const Path *path, Event *event, const SurfacePlace *place, bool through,
+                                  Vec3f direction, Ray *next)
+{
+    Tracer *tracer = path->tracer;
+    if (UNLIKELY(place->apart)) {
+        double time = path->ray.time;
+        ray_begin(next, place->position, direction);
+        next->time = time;
+    } else {
+        rtc_leave(tracer->world->compiled->rtc, &path->ray, tracer->hits.items, &event->n_cluster, through, direction,
+                  next);
+    }
+}
 /* Sends the path on from the surfaces that it has come to: through them, or back. */
-void path_leave(Path *path, Event *event, bool through, Vec3f direction);
+void path_leave(Path *path, Event *event, const SurfacePlace *place, bool through, Vec3f direction);
 /* Radiance given in a medium, as basic radiance. */
 Lanes path_basic_radiance(const World *world, Lanes radiance, uint32_t medium, Lanes wavelength_nm);
 /* Adds what reaches the camera of a radiance seen at the end of the path. */
@@ -291,10 +307,11 @@ static inline void path_is_guided(Path *path, const GuideAt *guide)
 }
 /* Whether a probe is to be sent out from there, and whereto. */
 bool path_ask_guide(Path *path, const GuideAt *guide, Vec3f *direction);
-/* Sends it, from the event's surfaces (through them, or back) or from a place in a medium (event NULL). scattered: what is
- * scattered from there, times the cosine; pdf_w: the density of the path's own choice, as a mean of the wavelengths. */
-void path_send_probe(Path *path, const GuideAt *guide, Event *event, bool through, Vec3 place, Vec3f direction,
-                     Lanes scattered, float pdf_w);
+/* Sends it, from the event's surfaces (through them, or back) or from a place in a medium (event NULL; the place is apart).
+ * scattered: what is scattered from there, times the cosine; pdf_w: the density of the path's own choice, as a mean of the
+ * wavelengths. */
+void path_send_probe(Path *path, const GuideAt *guide, Event *event, const SurfacePlace *place, bool through,
+                     Vec3f direction, Lanes scattered, float pdf_w);
 /* The path goes on from a place where it was scattered, in a direction of that density. */
 static inline void path_leave_guide(Path *path, const GuideAt *guide, Vec3f direction, float pdf_w)
 {

@@ -60,16 +60,17 @@ void path_note_found(Path *path, Lanes light)
 }
 
 /* The list of hulls where the probe starts. */
-static Status start_list(const Path *path, const Event *event, bool through, const Ray *ray, NestList *list)
+static Status start_list(const Path *path, const Event *event, const SurfacePlace *place, bool through, const Ray *ray,
+                         NestList *list)
 {
     Tracer *tracer = path->tracer;
-    if (event && event->n_cluster > 1) return path_cross_towards(tracer, ray, list) ? STATUS_OK : STATUS_NOMEM;
-    if (!event || !through) return nest_list_copy(list, &tracer->list);
+    if (!place->apart && event->n_cluster > 1) return path_cross_towards(tracer, ray, list) ? STATUS_OK : STATUS_NOMEM;
+    if (place->apart || !through) return nest_list_copy(list, &tracer->list);
     return path_copy_behind(tracer, event, list);
 }
 
-void path_send_probe(Path *path, const GuideAt *guide, Event *event, bool through, Vec3 place, Vec3f direction,
-                     Lanes scattered, float pdf_w)
+void path_send_probe(Path *path, const GuideAt *guide, Event *event, const SurfacePlace *place, bool through,
+                     Vec3f direction, Lanes scattered, float pdf_w)
 {
     Tracer *tracer = path->tracer, *prober = tracer->prober;
     if (!(pdf_w > 0)) return;
@@ -81,13 +82,8 @@ void path_send_probe(Path *path, const GuideAt *guide, Event *event, bool throug
     Path probe = *path;
     probe.tracer = prober;
     probe.fork = NULL;
-    if (event)
-        rtc_leave(tracer->world->compiled->rtc, &path->ray, tracer->hits.items, &event->n_cluster, through, direction,
-                  &probe.ray);
-    else
-        probe.ray = ray_make(place, direction);
-    probe.ray.time = path->ray.time;
-    if (start_list(path, event, through, &probe.ray, &prober->list) != STATUS_OK) {
+    path_start_ray(path, event, place, through, direction, &probe.ray);
+    if (start_list(path, event, place, through, &probe.ray, &prober->list) != STATUS_OK) {
         tracer->out_of_memory = true;
         return;
     }

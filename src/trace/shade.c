@@ -83,9 +83,13 @@ ATTR_COLD static Vec3f keep_to_side(const Tracer *tracer, const Event *event, bo
     return vec3f_normalize(reflect_direction(direction, start->normal));
 }
 
-void path_leave(Path *path, Event *event, bool through, Vec3f direction)
+void path_leave(Path *path, Event *event, const SurfacePlace *place, bool through, Vec3f direction)
 {
     Tracer *tracer = path->tracer;
+    if (UNLIKELY(place->apart)) {
+        path_start_ray(path, event, place, through, direction, &path->ray);
+        return;
+    }
     if (UNLIKELY(event->n_cluster > 1)) direction = keep_to_side(tracer, event, through, direction);
     HitList reached = tracer->hits;
     Ray *ray = &path->ray;
@@ -174,8 +178,7 @@ static void light_diffuse(Path *path, Event *event, const SurfacePlace *place, L
     float diffuse = diffuse_pdf(place, light.direction);
     if (!(diffuse > 0)) return;
     Ray ray;
-    rtc_leave(path->tracer->world->compiled->rtc, &path->ray, path->tracer->hits.items, &event->n_cluster, false,
-              light.direction, &ray);
+    path_start_ray(path, event, place, false, light.direction, &ray);
     path_add_direct_light(path, &light, &ray, lanes_scale(albedo, diffuse), diffuse);
 }
 
@@ -205,7 +208,8 @@ void path_scatter_in_medium(Path *path, const Event *event)
     Vec3f direction;
     if (UNLIKELY(path_ask_guide(path, &guide, &direction))) {
         float pdf = phase_evaluate(phase, vec3f_dot(along, direction));
-        path_send_probe(path, &guide, NULL, false, position, direction, lanes_all(pdf), pdf);
+        const SurfacePlace place = {.position = position, .apart = true};
+        path_send_probe(path, &guide, NULL, &place, false, direction, lanes_all(pdf), pdf);
     }
     direction = phase_sample(phase, along, u, &path->scatter_pdf);
     path_leave_guide(path, &guide, direction, path->scatter_pdf);
@@ -214,15 +218,64 @@ void path_scatter_in_medium(Path *path, const Event *event)
     path->n_scattered++;
 }
 
-SurfacePlace path_place_of(const World *world, const Ray *ray, const Hit *hit)
+/* With the shading normal as it is. */
+static inline SurfacePlace unbent_place(const World *world, const Ray *ray, const Hit *hit)
 {
     Vec3f shading = rtc_shading_normal(world->compiled->rtc, ray, hit);
     bool front = hit->entering;
-    SurfacePlace place = {.position = ray_point(ray, hit->t),
+    return (SurfacePlace){.position = ray_point(ray, hit->t),
                           .normal = front ? shading : vec3f_negate(shading),
                           .geometric = front ? hit->normal : vec3f_negate(hit->normal)};
-    if (path_is_bent(&place))
-        place.normal = path_bend_normal(vec3f_negate(ray->direction), place.geometric, place.normal);
+}
+
+static inline void bend_place(const Ray *ray, SurfacePlace *place)
+{
+    if (path_is_bent(place))
+        place->normal = path_bend_normal(vec3f_negate(ray->direction), place->geometric, place->normal);
+}
+
+SurfacePlace path_place_of(const World *world, const Ray *ray, const Hit *hit)
+{
+    SurfacePlace place = unbent_place(world, ray, hit);
+    bend_place(ray, &place);
+    return place;
+}
+
+/* The curved surface that interpolated normals describe bulges over its facets. Where a facet is turned away from a lamp, or is
+ * in the shadow of its neighbours, the curved surface may still be lit; by the facets its light would end in steps and notches. So
+ * a surface that lets nothing through is shaded where it bulges, in front of the facet, and there its shading normal is the
+ * geometric one. That place is as high as the bulge, but on the ray that has come to the facet instead of on the normal: whatever
+ * stands between it and the facet, the path has come past, and the place's list of hulls is the path's own. What stands close to
+ * the facet, a film of water, say, or a floor that the surface rests on, stays in front of the place, and is left most of the way:
+ * what absorbs light there is to do so on its way out, too. False where the surface is flat or hollow, and where it turns its back
+ * by that normal. */
+static bool raise_place(const Path *path, const Event *event, SurfacePlace *place)
+{
+    /* where it comes in so far beside that the place would be above quite another one, in other shadows, it is lower */
+    const double least_cosine = 0.05, usual_cosine = 0.2, of_way = 0.125;
+    const Tracer *tracer = path->tracer;
+    const HitList *hits = &tracer->hits, *passed = &tracer->passed;
+    const Ray *ray = &path->ray;
+    const Hit *hit = &event->hit;
+    double cosine = -(double)vec3f_dot(ray->direction, place->normal);
+    if (!(cosine > least_cosine)) return false;
+    double height = rtc_bulge(tracer->world->compiled->rtc, ray, hit, place->normal);
+    double crossed = passed->n ? double_max(ray->t_min, passed->items[passed->n - 1].t) : ray->t_min;
+    double back = double_min(height / double_max(cosine, usual_cosine), of_way * (hit->t - crossed));
+    double t = hit->t - back;
+    if (!(back * cosine > hit->rounding && t < hits->items[0].t)) return false;
+    place->position = ray_point(ray, t);
+    place->geometric = place->normal;
+    place->apart = true;
+    return true;
+}
+
+/* Where an opaque surface is shaded. */
+static SurfacePlace opaque_place(const Path *path, const Event *event, const SceneSurface *surface)
+{
+    SurfacePlace place = unbent_place(path->tracer->world, &path->ray, &event->hit);
+    if (!event->hit.smooth) return place;
+    if (surface->thin || surface->painted || !raise_place(path, event, &place)) bend_place(&path->ray, &place);
     return place;
 }
 
@@ -251,8 +304,8 @@ bool path_shade_opaque(Path *path, Event *event)
     float rarity = path->from.rarity;
     path->from.rarity = 0;
     if (look->light != SCENE_NONE || look->surface == SCENE_NONE) return false;
-    SurfacePlace place = path_place(path, event);
     const SceneSurface *surface = surface_of(path, event, look->surface);
+    SurfacePlace place = opaque_place(path, event, surface);
     const BsdfSpec *spec = &surface->spec;
     BsdfSpec textured;
     if (UNLIKELY(surface_has_textures(surface))) {
@@ -271,10 +324,10 @@ bool path_shade_opaque(Path *path, Event *event)
     float u[2];
     sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_SCATTER), u);
     Vec3f direction;
-    GuideAt guide = path_guide(path, place.position, false);
+    GuideAt guide = path_guide(path, ray_point(&path->ray, event->hit.t), false);
     if (UNLIKELY(path_ask_guide(path, &guide, &direction)) && vec3f_dot(direction, place.geometric) > 0) {
         float pdf_w = diffuse_pdf(&place, direction);
-        path_send_probe(path, &guide, event, false, place.position, direction, lanes_scale(albedo, pdf_w), pdf_w);
+        path_send_probe(path, &guide, event, &place, false, direction, lanes_scale(albedo, pdf_w), pdf_w);
     }
     direction = sampling_cosine_hemisphere(u[0], u[1], place.normal, &path->scatter_pdf);
     if (!(vec3f_dot(direction, place.geometric) > 0)) direction = path_mirror(&place, direction);
@@ -283,7 +336,7 @@ bool path_shade_opaque(Path *path, Event *event)
     path->beta = lanes_mul(path->beta, albedo);
     path->scatter_point = place.position;
     path->scatter_normal = place.geometric;
-    path_leave(path, event, false, direction);
+    path_leave(path, event, &place, false, direction);
     return path->scatter_pdf > 0;
 }
 
@@ -420,6 +473,6 @@ bool path_cross_boundary(Path *path, Event *event)
     weigh_choice(path, &choice, lanes_uniform(eta_i) && lanes_uniform(eta_t));
     path->scatter_pdf = -1;
     path->probing.bent = true;
-    path_leave(path, event, !choice.reflected, choice.direction);
+    path_leave(path, event, &place, !choice.reflected, choice.direction);
     return true;
 }

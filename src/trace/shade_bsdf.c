@@ -75,10 +75,8 @@ static void add_light(Path *path, Event *event, const Bsdf *bsdf, const SurfaceP
     evaluate(bsdf, place, frame, view, light.direction, &f_cos, &pdf_w);
     if (lanes_zero(f_cos)) return;
     bool below = vec3f_dot(light.direction, place->geometric) < 0;
-    Tracer *tracer = path->tracer;
     Ray ray;
-    rtc_leave(tracer->world->compiled->rtc, &path->ray, tracer->hits.items, &event->n_cluster, below, light.direction,
-              &ray);
+    path_start_ray(path, event, place, below, light.direction, &ray);
     if (keen) f_cos = lanes_scale(f_cos, path_found_part(path, INFINITY));
     path_add_direct_light(path, &light, &ray, f_cos, mean_density(path, pdf_w));
     path->probing.found = false;
@@ -118,7 +116,7 @@ static void send_probe(Path *path, const GuideAt *guide, Event *event, const Bsd
     bool through = vec3f_dot(direction, place->geometric) < 0;
     evaluate(bsdf, place, frame, view, direction, &f_cos, &pdf_w);
     if (lanes_zero(f_cos) || (through && event->kind == EVENT_OPAQUE && !cross_opaque(path, event))) return;
-    path_send_probe(path, guide, event, through, place->position, direction, f_cos, mean_density(path, pdf_w));
+    path_send_probe(path, guide, event, place, through, direction, f_cos, mean_density(path, pdf_w));
 }
 
 static bool scatter(Path *path, Event *event, Bsdf *bsdf, const SurfacePlace *place, const Frame *frame, bool *straight)
@@ -130,7 +128,7 @@ static bool scatter(Path *path, Event *event, Bsdf *bsdf, const SurfacePlace *pl
     if (keen) {
         path->probing.bent |= !bsdf->specular_only;
     } else {
-        guide = path_guide(path, place->position, false);
+        guide = path_guide(path, ray_point(&path->ray, event->hit.t), false);
         if (UNLIKELY(path_ask_guide(path, &guide, &direction)))
             send_probe(path, &guide, event, bsdf, place, frame, view, direction);
     }
@@ -170,7 +168,7 @@ static bool scatter(Path *path, Event *event, Bsdf *bsdf, const SurfacePlace *pl
     }
     path->beta = lanes_mul(path->beta, sample.weight);
     path->ratio = lanes_mul(path->ratio, lanes_scale(sample.pdf_w, 1 / hero));
-    path_leave(path, event, sample.transmitted, direction);
+    path_leave(path, event, place, sample.transmitted, direction);
     return true;
 }
 

@@ -111,7 +111,8 @@ static void send_from(Path *path, const FreeFlight *flight, const ShaftPlace *pl
     guide->sent *= path_probe_part(path, &path->way, true); /* by flights that are scattered there */
     guide->share = guide->sent + look_density(path, &path->way, guide->cell) / density;
     float pdf = phase_evaluate(place->phase, vec3f_dot(path->ray.direction, direction));
-    path_send_probe(path, guide, NULL, false, ray_point(&path->ray, t), direction, lanes_all(pdf), pdf);
+    const SurfacePlace from = {.position = ray_point(&path->ray, t), .apart = true};
+    path_send_probe(path, guide, NULL, &from, false, direction, lanes_all(pdf), pdf);
     path->beta = beta;
     path->ratio = ratio;
     path->bounce = bounce;
