@@ -13,8 +13,8 @@
 
 /* What a sample adds to its pixel, over what is there without, that is not to be seen yet. */
 #define STANDS_OUT 0.2
-/* Pixels around, for what is usual there, and for which colour. */
-enum { AROUND = 2, COLORS_AROUND = 8 };
+/* Pixels around, for what is usual there, for what is found, twice over, and for which colour. */
+enum { AROUND = 2, BESIDE = 1, COLORS_AROUND = 8 };
 /* A pixel is a hole by what it has less than this one of those next to it, counted from the darkest: holes may be two or three
  * in a row, and what is beside an edge is none. */
 enum { HOLE_RANK = 3 };
@@ -108,6 +108,7 @@ static void look_at_row(void *context, uint32_t index, unsigned worker)
         looks->plain[i] = (float)light_of(pixel, bright);
         looks->plain_root[i] = sqrtf(sqrtf(looks->plain[i]));
         looks->lit[i] = looks->plain[i] / reflectance;
+        looks->found[i] = (float)light_of(pixel, NULL) / reflectance;
         looks->brightest[i] = bright_light(bright->rgb[0]);
         looks->seen[i] = (uint16_t)bright->seen;
         for (int c = 0; c < 3; c++)
@@ -289,9 +290,9 @@ static bool maps_init(Maps *maps)
 {
     size_t n = (size_t)maps->width * maps->height;
     Looks *looks = &maps->looks;
-    float **floats[] = {&looks->shares[0],  &looks->shares[1], &looks->shares[2], &looks->plain,
-                        &looks->plain_root, &looks->around,    &looks->brightest, &looks->lit,
-                        &looks->lit_around, &looks->colors[0], &looks->colors[1], &looks->colors[2]};
+    float **floats[] = {&looks->shares[0], &looks->shares[1], &looks->shares[2], &looks->plain,      &looks->plain_root,
+                        &looks->around,    &looks->brightest, &looks->lit,       &looks->lit_around, &looks->found,
+                        &looks->colors[0], &looks->colors[1], &looks->colors[2]};
     bool ready = (maps->rows = calloc(maps->height, sizeof *maps->rows)) != NULL;
     for (size_t i = 0; i < COUNT_OF(floats); i++) ready = (*floats[i] = calloc(n, sizeof(float))) != NULL && ready;
     ready = (looks->lights = calloc(n, sizeof *looks->lights)) != NULL && ready;
@@ -315,6 +316,7 @@ static void maps_clear(Maps *maps)
     free(looks->around);
     free(looks->lit);
     free(looks->lit_around);
+    free(looks->found);
     for (int c = 0; c < 3; c++) free(looks->colors[c]);
     free(looks->brightest);
     free(looks->lights);
@@ -334,6 +336,17 @@ static bool find_boxes(Maps *maps)
     return true;
 }
 
+static double typical_light(const Looks *looks, size_t n)
+{
+    double root = 0;
+    for (size_t i = 0; i < n; i++) {
+        float light = fabsf(looks->colors[0][i]) + fabsf(looks->colors[1][i]) + fabsf(looks->colors[2][i]);
+        root += (double)sqrtf(sqrtf(light * (1.0f / 3)));
+    }
+    root /= (double)n;
+    return root * root * root * root;
+}
+
 static bool look(Maps *maps)
 {
     Looks *looks = &maps->looks;
@@ -345,6 +358,8 @@ static bool look(Maps *maps)
         pool_run(maps->pool, height, look_at_row, maps);
         mean_around(looks->plain, width, height, AROUND, scratch, looks->around, maps->pool);
         mean_around(looks->lit, width, height, AROUND, scratch, looks->lit_around, maps->pool);
+        mean_around(looks->found, width, height, BESIDE, scratch, around, maps->pool);
+        mean_around(around, width, height, BESIDE, scratch, looks->found, maps->pool);
     }
     for (int c = 0; ready && c < 3; c++) {
         float *own = looks->colors[c];
@@ -354,6 +369,7 @@ static bool look(Maps *maps)
     }
     free(scratch);
     free(around);
+    if (ready) maps->typical = typical_light(looks, n);
     return ready && find_boxes(maps);
 }
 
@@ -404,7 +420,7 @@ Status spread_init(Spread *spread, const Film *film, const BrightFilm *bright, c
     maps_clear(&maps);
     if (good) return STATUS_OK;
     spread_clear(spread);
-    return fail_memory(error, n * (sizeof *spread->pixels + (2 * BRIGHT_THINGS + 10 + BRIGHT_KEPT) * sizeof(float)),
+    return fail_memory(error, n * (sizeof *spread->pixels + (2 * BRIGHT_THINGS + 11 + BRIGHT_KEPT) * sizeof(float)),
                        "single bright samples");
 }
 

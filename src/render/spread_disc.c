@@ -12,15 +12,24 @@
  * colour than what is around, as dispersion makes them, the more by how much sooner a haze of that is seen. Without that a diamond
  * had clouds of violet and green. */
 enum { NEAR = 2, NEAR_ENOUGH = 20, FAR_ENOUGH = 256 };
-/* So many next to each other are something small, if there are few more in a disc of a larger radius than this. */
-enum { TOGETHER = 10, A_GOOD_WAY = 6 };
-/* So many over all that there is are no chance: a haze of them is what is there, however dark it is without. */
-enum { NO_CHANCE = 8 };
+/* So many that lie together, where so many times fewer are as far as a larger disc reaches, are something small and bright, as the
+ * spot of a lens or a line is; by chance one sample in a thousand would have as many so near. */
+static const struct {
+    uint32_t together;
+    float fewer;
+} clumps[CLUMP_SIZES] = {{10, 4}, {40, 2}, {120, 1.5f}};
+/* Of those that go as far as there is something, where hardly any are alike: so many tell whether these lie together; and so many
+ * are no chance: a haze of them is what is there, however dark it is without. */
+enum { A_FEW = 4, NO_CHANCE = 8 };
 /* Pixels around a sample, for what they have of comparable ones. */
 enum { BESIDE = 2 };
 /* What samples add to what is usual, spread, that is not seen; and what is a haze that is better than a dot. */
 #define UNSEEN 0.1
 #define FAINT 0.25
+/* And what is so bright that where it ends is seen sharply. */
+#define GLARING 10.0
+/* Samples to a pixel that are so close that what is found around pixels is not by chance. */
+#define CLOSE 0.16f
 /* A haze of another colour is seen sooner than one of the same: how much sooner, for each unit of tint. */
 #define TINTED 6.0
 /* Of what a usual pixel gets, the part that a black one does. */
@@ -38,7 +47,7 @@ static void weights_of(const Looks *looks, const Lone *lone, size_t first, uint3
 {
     const uint32_t *t0 = looks->things[0] + first, *t1 = looks->things[1] + first, *t2 = looks->things[2] + first;
     const float *s0 = looks->shares[0] + first, *s1 = looks->shares[1] + first, *s2 = looks->shares[2] + first;
-    const float *lit = looks->lit + first;
+    const float *lit = (lone->by_found ? looks->found : looks->lit) + first;
     const uint32_t thing = lone->thing;
     const double black = lone->black, slope = lone->slope;
     for (uint32_t i = 0; i < n; i++) {
@@ -100,16 +109,14 @@ static uint32_t count_alike(const Maps *maps, const Lone *lone, size_t pixel)
     return count_kept(maps, lone, pixel, UINT32_MAX);
 }
 
-/* The same of pixels of a row, until they are enough; few: of those that have few alike in their pixel. */
-static uint32_t count_alike_of(const Maps *maps, const Lone *lone, const Columns *span, uint32_t y, bool few,
-                               uint32_t enough)
+/* The same of pixels of a row, and where they are; few: of those that have few alike in their pixel. */
+static void add_alike_of(const Maps *maps, const Lone *lone, const Columns *span, uint32_t y, bool few, Around *sums)
 {
     size_t pixel = place_in(maps->area, span->x0, y);
-    uint32_t alike = 0;
-    for (uint32_t x = span->x0; x < span->x1 && alike < enough; x++, pixel++)
+    for (uint32_t x = span->x0; x < span->x1; x++, pixel++)
         if (UNLIKELY(maps->looks.brightest[pixel] >= lone->least))
-            alike += count_kept(maps, lone, pixel, few ? maps->looks.few[pixel] : UINT32_MAX);
-    return alike;
+            around_add_alike(sums, count_kept(maps, lone, pixel, few ? maps->looks.few[pixel] : UINT32_MAX),
+                             (double)x - lone->x, (double)y - lone->y);
 }
 
 /* How far a sample's colour is from that of all light around: 0 is the same, 1.4 the light of one primary in grey; more is that
@@ -133,9 +140,10 @@ static double usual_beside(const Maps *maps, const Lone *lone)
 {
     Square square = square_around(lone, BESIDE);
     Columns span = {square.x0, square.x1};
-    uint32_t alike = 0, pixels = (square.x1 - square.x0) * (square.y1 - square.y0);
-    for (uint32_t y = square.y0; y < square.y1; y++) alike += count_alike_of(maps, lone, &span, y, false, UINT32_MAX);
-    return alike > 1 ? lone->light * (alike - 1) / (pixels - 1) : 0;
+    Around sums = {0};
+    uint32_t pixels = (square.x1 - square.x0) * (square.y1 - square.y0);
+    for (uint32_t y = square.y0; y < square.y1; y++) add_alike_of(maps, lone, &span, y, false, &sums);
+    return sums.alike > 1 ? lone->light * (sums.alike - 1) / (pixels - 1) : 0;
 }
 
 Lone spread_lone(const Maps *maps, uint32_t x, uint32_t y, int kept)
@@ -219,15 +227,14 @@ static void sum_span(const Maps *maps, const Lone *lone, const Columns *span, ui
     sums->middle_by_distance[1] += sum.weights_by_distance * dy;
 }
 
-/* From one disc, and its square, to a larger one. inner -1: there is none. What is alike is counted until it is enough: farther
- * away, and then anew, only what has few alike where it is. A lamp that is seen there, in bright pixels, does not hold up what is
- * dark. */
-static void look_farther(const Maps *maps, const Lone *lone, int inner, int outer, uint32_t enough, Around *sums)
+/* From one disc, and its square, to a larger one. inner -1: there is none. Farther away, and then anew, only what has few alike
+ * where it is counts. A lamp that is seen there, in bright pixels, does not hold up what is dark. */
+static void look_farther(const Maps *maps, const Lone *lone, int inner, int outer, Around *sums)
 {
     Square square = square_around(lone, outer);
     bool few = outer > NEAR;
     int counted = few && inner <= NEAR ? -1 : inner;
-    if (counted < 0) sums->alike = 0;
+    if (counted < 0) sums->alike = 0, sums->alike_middle[0] = sums->alike_middle[1] = 0;
     for (uint32_t y = square.y0; y < square.y1; y++) {
         int dy = abs((int)y - (int)lone->y);
         Columns discs[2], squares[2];
@@ -235,8 +242,7 @@ static void look_farther(const Maps *maps, const Lone *lone, int inner, int oute
         find_spans(&square, lone, dy > counted ? -1 : counted, outer, squares);
         for (int side = 0; side < 2; side++) {
             sum_span(maps, lone, &discs[side], y, sums);
-            if (sums->alike < enough)
-                sums->alike += count_alike_of(maps, lone, &squares[side], y, few, enough - sums->alike);
+            add_alike_of(maps, lone, &squares[side], y, few, sums);
         }
     }
 }
@@ -290,11 +296,17 @@ uint32_t spread_enough(const Lone *lone, int radius)
     return (uint32_t)((enough < FAR_ENOUGH ? enough : FAR_ENOUGH) * lone->seen / lone->light);
 }
 
+/* What pixels of a disc get together, where there is no image. */
+static double weights_within(const Around *sums, int radius)
+{
+    return sums->weights - sums->weights_by_distance / end_of(radius);
+}
+
 bool spread_ends(const Lone *lone, const Around *sums, int radius, double own, Way *way, double *alone)
 {
     double end = end_of(radius);
     uint32_t enough = spread_enough(lone, radius);
-    way->weights = sums->weights - sums->weights_by_distance / end;
+    way->weights = weights_within(sums, radius);
     double root = (sums->light - sums->light_by_distance / end) / (sums->shares - sums->shares_by_distance / end);
     *alone = lone->seen * own / (way->weights * fmin(lone->reference, root * root * root * root));
     bool unseen = sums->alike * *alone <= UNSEEN;
@@ -303,41 +315,109 @@ bool spread_ends(const Lone *lone, const Around *sums, int radius, double own, W
     return unseen || sums->alike >= left * enough;
 }
 
-int spread_farthest(const Around *sums, int radius, double alone, Way *way)
+static float pixels_within(const Lone *lone, int radius)
 {
-    if (alone > FAINT && sums->alike < NO_CHANCE) return 0;
+    Square square = square_around(lone, radius);
+    return (float)(square.x1 - square.x0) * (float)(square.y1 - square.y0);
+}
+
+static Density density_in(const Lone *lone, const Around *sums, int radius)
+{
+    return (Density){(float)(sums->alike / sums->shares), (float)sums->alike / pixels_within(lone, radius)};
+}
+
+/* In both ways: where a thing is seen in a few pixels only, or by few of their samples, one of them says nothing. */
+static bool is_thin(Density here, Density there, float fewer)
+{
+    return here.by_share * fewer < there.by_share && here.by_pixel * fewer < there.by_pixel;
+}
+
+bool spread_is_in_clump(const Lone *lone, const Around *sums, int radius, Clump *clump)
+{
+    Density density = density_in(lone, sums, radius);
+    if (sums->alike >= A_FEW) {
+        clump->densest.by_share = fmaxf(clump->densest.by_share, density.by_share);
+        clump->densest.by_pixel = fmaxf(clump->densest.by_pixel, density.by_pixel);
+    }
+    for (int i = 0; i < CLUMP_SIZES && sums->alike >= clumps[i].together; i++) {
+        if (clump->radius[i] == 0) {
+            clump->radius[i] = (uint16_t)radius;
+            clump->density[i] = density;
+        }
+    }
+    for (int i = 1; i < CLUMP_SIZES && clump->radius[i] > 0 && !clump->left; i++)
+        if (is_thin(density, clump->density[i], clumps[i].fewer)) clump->left = clump->radius[i];
+    return is_thin(density, clump->density[0], clumps[0].fewer);
+}
+
+int spread_farthest(const Lone *lone, const Around *sums, int radius, double alone, Way *way)
+{
+    bool even = !is_thin(density_in(lone, sums, radius), way->clump.densest, clumps[0].fewer);
+    if (alone * (even ? 1 : sums->alike) > FAINT && !(even && sums->alike >= NO_CHANCE)) return 0;
     (void)find_image(sums, radius, way);
     return radius;
 }
 
-/* Spreads a sample among those next to it. */
-static int stay_near(const Maps *maps, const Lone *lone, double own, Way *way)
+/* Whether comparable samples lie to one side, more than chance would have it in one disc of a hundred: there is an edge of light. */
+static bool is_aside(const Around *sums, int radius)
 {
-    Around sums = {0};
-    double alone;
-    look_farther(maps, lone, -1, NEAR, UINT32_MAX, &sums);
-    (void)spread_ends(lone, &sums, NEAR, own, way, &alone);
-    return NEAR;
+    double off = 0, apart = (2.0 * radius + 1) * (2.0 * radius + 1) / 12; /* along each axis, squared */
+    for (int i = 0; i < 2; i++) {
+        double away = sums->alike_middle[i] / sums->alike - sums->middle[i] / sums->weights;
+        off += away * away;
+    }
+    return off * sums->alike > 9.2 * apart;
 }
 
-/* How far a sample is spread, and what pixels get together. Some that are next to each other, while there are hardly any more a
- * good way around, are no chance, but something small and bright: the spot of a lens is so. */
-static int find_radius(const Maps *maps, const Lone *lone, Way *way)
+/* Whether a disc of as many alike would be so bright, beside what is usual there and in the picture, that its edge is seen. */
+static bool is_glaring(const Maps *maps, const Lone *lone, const Around *sums, double weights)
+{
+    double haze = lone->light * spread_own_weight(maps, lone) * sums->alike / weights;
+    return haze > GLARING * fmax(lone->reference, maps->typical);
+}
+
+bool spread_is_uneven(const Maps *maps, const Lone *lone, const Around *sums, int radius, const Clump *clump)
+{
+    return clump->radius[0] > 0 && (clump->left || is_aside(sums, radius)) &&
+           is_glaring(maps, lone, sums, weights_within(sums, radius));
+}
+
+/* Spreads a sample over its clump, which is no disc: where samples lie close, pixels get by what light is found around them. Where
+ * they do not, a glaring disc is more of a blemish than dots are. The radius, or 0. */
+static int stay_in_clump(const Maps *maps, Lone *lone, Way *way)
 {
     Around sums = {0};
-    uint32_t near = 0;
+    int radius = way->clump.radius[0];
+    bool close = way->clump.density[0].by_pixel > CLOSE, apart = radius > NEAR;
+    if (apart && close) {
+        lone->by_found = way->by_found = true;
+        lone->black = way->black = 0;
+        lone->slope = way->slope = 1e-3 / (double)maps->looks.found[place_in(maps->area, lone->x, lone->y)];
+    }
+    look_farther(maps, lone, -1, radius, &sums);
+    way->weights = weights_within(&sums, radius);
+    if (apart && !close && is_glaring(maps, lone, &sums, way->weights)) return 0;
+    (void)find_image(&sums, radius, way);
+    return radius;
+}
+
+/* How far a sample is spread, and what pixels get together. */
+static int find_radius(const Maps *maps, Lone *lone, Way *way)
+{
+    Around sums = {0};
     int radius = -1, most = spread_by_cells(&lone->box) ? SPREAD_NEAR : SPREAD_FARTHEST;
     double alone = 0, own = spread_own_weight(maps, lone);
     for (int next = 1; next <= most; next = spread_next_radius(next)) {
-        look_farther(maps, lone, radius, next, spread_enough(lone, next), &sums);
+        look_farther(maps, lone, radius, next, &sums);
         radius = next;
-        if (radius == NEAR) near = sums.alike;
-        if (spread_ends(lone, &sums, radius, own, way, &alone)) return radius;
-        if (radius > A_GOOD_WAY && near >= TOGETHER && sums.alike < near + near / 2)
-            return stay_near(maps, lone, own, way);
+        if (spread_is_in_clump(lone, &sums, radius, &way->clump)) return stay_in_clump(maps, lone, way);
+        if (!spread_ends(lone, &sums, radius, own, way, &alone)) continue;
+        return spread_is_uneven(maps, lone, &sums, radius, &way->clump) ? stay_in_clump(maps, lone, way) : radius;
     }
     way->far = most < SPREAD_FARTHEST;
-    return way->far ? radius : spread_farthest(&sums, radius, alone, way);
+    if (way->far) return radius;
+    return spread_is_uneven(maps, lone, &sums, radius, &way->clump) ? stay_in_clump(maps, lone, way)
+                                                                    : spread_farthest(lone, &sums, radius, alone, way);
 }
 
 /* By how much what pixels have of comparable samples differs beyond chance: the variance of the rates behind these counts, over
@@ -404,15 +484,15 @@ Lone spread_lone_on_way(const Maps *maps, uint32_t y, const Way *way)
     Lone lone = spread_lone(maps, way->x, y, way->kept);
     lone.black = way->black;
     lone.slope = way->slope;
+    lone.by_found = way->by_found;
     for (int c = 0; c < 3; c++) lone.untinted[c] *= way->part;
     return lone;
 }
 
-void spread_find_way(const Maps *maps, const Lone *lone, Way *way)
+/* The rest of a way by pixels, when its radius is known. */
+static void finish_way(const Maps *maps, const Lone *lone, int radius, Way *way)
 {
-    int radius = find_radius(maps, lone, way);
     way->radius = (uint16_t)radius;
-    if (way->far) return;
     if (radius > 0 && radius <= NEAR) find_crowding(maps, lone, way);
     if (radius == 0 || (!(way->crowding > 0) && !way->mirrored)) return;
     way->weights = 0;
@@ -422,4 +502,16 @@ void spread_find_way(const Maps *maps, const Lone *lone, Way *way)
         Columns span = spread_weights_of_row(maps, lone, way, y, weights);
         for (uint32_t i = 0; i < span.x1 - span.x0; i++) way->weights += weights[i];
     }
+}
+
+void spread_in_clump(const Maps *maps, Lone *lone, Way *way)
+{
+    way->far = false;
+    finish_way(maps, lone, stay_in_clump(maps, lone, way), way);
+}
+
+void spread_find_way(const Maps *maps, Lone *lone, Way *way)
+{
+    int radius = find_radius(maps, lone, way);
+    if (!way->far) finish_way(maps, lone, radius, way);
 }

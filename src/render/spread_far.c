@@ -220,9 +220,8 @@ static double half_of_row(double dy, double reach)
     return left < 0 ? -1 : sqrt(left);
 }
 
-/* From one disc, and its square, to a larger one. inner < 0: there is none. What is alike is counted until it is enough. */
-static void look_farther(const Cells *cells, const Lone *lone, double inner, double outer, uint32_t enough,
-                         Around *sums)
+/* From one disc, and its square, to a larger one. inner < 0: there is none. */
+static void look_farther(const Cells *cells, const Lone *lone, double inner, double outer, Around *sums)
 {
     Columns rows = points_within(lone->y, outer, cells->box.y0, cells->height);
     for (uint32_t row = rows.x0; row < rows.x1; row++) {
@@ -232,8 +231,9 @@ static void look_farther(const Cells *cells, const Lone *lone, double inner, dou
         find_columns(cells, lone, fabs(dy) > inner ? -1 : inner, outer, squares);
         for (int side = 0; side < 2; side++) {
             sum_cells(cells, lone, row, discs[side], sums);
-            for (uint32_t i = squares[side].x0; i < squares[side].x1 && sums->alike < enough; i++)
-                sums->alike += count_brighter(cells, (size_t)row * cells->width + i, lone->least);
+            for (uint32_t i = squares[side].x0; i < squares[side].x1; i++)
+                around_add_alike(sums, count_brighter(cells, (size_t)row * cells->width + i, lone->least),
+                                 point_x(cells, i) - lone->x, dy);
         }
     }
 }
@@ -275,26 +275,34 @@ static Way *way_of(const Maps *maps, const FarSample *sample)
     return &maps->rows[sample->row].ways[sample->way];
 }
 
-static int find_radius(const Cells *cells, const Lone *lone, Way *way)
+static void find_radius(const Cells *cells, Lone *lone, Way *way)
 {
     Around sums = {0};
     double alone = 0, inner = -1, own = spread_own_weight(cells->maps, lone);
-    int radius = SPREAD_NEAR;
-    for (int next = spread_next_radius(radius); next <= SPREAD_FARTHEST; next = spread_next_radius(next)) {
-        look_farther(cells, lone, inner, next + 0.5, spread_enough(lone, next), &sums);
-        radius = next;
+    bool ends = false;
+    for (int next = spread_next_radius(SPREAD_NEAR); next <= SPREAD_FARTHEST && !ends;
+         next = spread_next_radius(next)) {
+        look_farther(cells, lone, inner, next + 0.5, &sums);
         inner = next + 0.5;
-        if (spread_ends(lone, &sums, radius, own, way, &alone)) return radius;
+        way->radius = (uint16_t)next;
+        if (spread_is_in_clump(lone, &sums, next, &way->clump)) {
+            spread_in_clump(cells->maps, lone, way);
+            return;
+        }
+        ends = spread_ends(lone, &sums, next, own, way, &alone);
     }
-    return spread_farthest(&sums, radius, alone, way);
+    if (spread_is_uneven(cells->maps, lone, &sums, way->radius, &way->clump))
+        spread_in_clump(cells->maps, lone, way);
+    else if (!ends)
+        way->radius = (uint16_t)spread_farthest(lone, &sums, way->radius, alone, way);
 }
 
 static void find_way(const Cells *cells, const FarSample *sample)
 {
     Way *way = way_of(cells->maps, sample);
     Lone lone = spread_lone_on_way(cells->maps, cells->maps->area[1] + sample->row, way);
-    way->radius = (uint16_t)find_radius(cells, &lone, way);
-    if (way->radius > 0 && way->mirrored) way->weights = weights_of_disc(cells, &lone, way);
+    find_radius(cells, &lone, way);
+    if (way->far && way->radius > 0 && way->mirrored) way->weights = weights_of_disc(cells, &lone, way);
 }
 
 static void find_ways_of_chunk(void *context, uint32_t index, unsigned worker)
@@ -335,7 +343,7 @@ static void give_to_band(void *context, uint32_t index, unsigned worker)
     for (size_t i = 0; i < cells->n_samples; i++) {
         const FarSample *sample = &cells->samples[i];
         const Way *way = way_of(maps, sample);
-        if (!(way->part > 0)) continue;
+        if (!(way->part > 0) || !way->far) continue;
         Lone lone = spread_lone_on_way(maps, maps->area[1] + sample->row, way);
         Columns rows = rows_of(cells, &lone, way);
         for (uint32_t row = rows.x0 > from ? rows.x0 : from; row < rows.x1 && row < to; row++)

@@ -27,12 +27,26 @@ typedef struct Looks {
     float *around;    /* the mean of what is plain around it */
     float *colors[3]; /* the mean of all light around it, in each channel; */
     float *lit;       /* what is plain, over its reflectance: how much light there is; */
-    float *lit_around;            /* and the mean of that around it */
+    float *lit_around;            /* and the mean of that around it; */
+    float *found;                 /* likewise all its light, with these samples: what there is of that next to it */
     float *brightest;             /* of its samples, as far as they are kept; */
     float (*lights)[BRIGHT_KEPT]; /* all of these, the brightest first, */
     uint16_t *seen;               /* and what they saw, as bright_seen() has it; */
     uint8_t *few;                 /* a bit for each of them, from the lowest: few of its pixel's are like it */
 } Looks;
+
+/* How close together comparable samples lie, in what a disc holds of the thing, and in pixels. */
+typedef struct Density {
+    float by_share, by_pixel;
+} Density;
+
+/* Where they lie closer together than farther away, as in the spot of a lens: found from disc to disc. */
+enum { CLUMP_SIZES = 3 };
+typedef struct Clump {
+    uint16_t radius[CLUMP_SIZES]; /* of the least disc that has so many; 0: none has, so far */
+    uint16_t left; /* the first of these that what is farther away has shown to be a clump, but the least */
+    Density density[CLUMP_SIZES], densest; /* of those, and the most of any that has a few */
+} Clump;
 
 /* Where a sample goes. */
 typedef struct Way {
@@ -41,12 +55,14 @@ typedef struct Way {
     uint16_t radius;        /* 0: it stays */
     bool mirrored;          /* at an edge that cuts its disc: see find_image */
     bool far;               /* it goes by cells: see spread_far.c */
+    bool by_found;          /* see Lone */
     float image[2];         /* from the sample to its image behind that edge, in columns and rows */
     double light, seen;     /* see Lone */
     double part;            /* of the sample, what goes */
     double crowding, usual; /* see find_crowding */
     double weights;         /* of all pixels together */
     double black, slope;    /* see Lone */
+    Clump clump;
 } Way;
 
 /* A row of pixels: what is found of it. */
@@ -69,6 +85,7 @@ typedef struct Maps {
     const uint32_t *area;
     uint32_t width, height;
     Looks looks;
+    double typical;   /* of all light around pixels, by the mean of its fourth root */
     ThingBoxes boxes; /* of what is seen in the area */
     Row *rows;
     SpreadPixel *pixels;
@@ -111,7 +128,8 @@ typedef struct Lone {
     double seen;          /* its light, as a haze of it is seen */
     double reference;     /* what is usual there: the most of the brightest plain pixel next to it, the mean around */
     double lit;           /* how much light is: the same of that */
-    double black, slope;  /* what a pixel gets by how much light it has: black + slope * lit, but 1 at most */
+    double black, slope;  /* what a pixel gets by how much light it has: black + slope * lit, but 1 at most; */
+    bool by_found;        /* or slope * found, see Looks: in a clump */
     float least;          /* of comparable samples */
     ThingBox box;         /* where the thing is seen: nothing is to be found beyond it */
 } Lone;
@@ -141,8 +159,16 @@ typedef struct Around {
         light; /* of weights, of shares, and by these of the fourth root of what pixels have without it */
     double weights_by_distance, shares_by_distance, light_by_distance; /* the same, times the distance squared */
     double middle[2], middle_by_distance[2]; /* weights times columns and rows from the sample, and times both */
-    uint32_t alike;                          /* comparable samples in the square */
+    uint32_t alike;                          /* comparable samples in the square, */
+    double alike_middle[2];                  /* and columns and rows to these */
 } Around;
+
+static inline void around_add_alike(Around *sums, uint32_t alike, double dx, double dy)
+{
+    sums->alike += alike;
+    sums->alike_middle[0] += alike * dx;
+    sums->alike_middle[1] += alike * dy;
+}
 
 /* Which of a pixel's things one is; BRIGHT_THINGS: none. */
 static inline uint32_t find_thing(const Looks *looks, size_t pixel, uint32_t thing)
@@ -200,11 +226,17 @@ uint32_t spread_enough(const Lone *lone, int radius);
 /* Whether the sample is to be spread so far and no farther, by what is there. Then it is known where its image is; what all pixels
  * get is, if there is none. *alone: what the sample adds where it is, over what is usual there. */
 bool spread_ends(const Lone *lone, const Around *sums, int radius, double own, Way *way, double *alone);
+/* What is around up to a radius tells of clumps, too: whether the least is known to be one, and the sample is to be spread over that. */
+bool spread_is_in_clump(const Lone *lone, const Around *sums, int radius, Clump *clump);
+/* Whether what is around is so bright, and lies so unevenly, that a disc of that radius would be seen: the sample is in a clump. */
+bool spread_is_uneven(const Maps *maps, const Lone *lone, const Around *sums, int radius, const Clump *clump);
 /* Of one that does not end up to the last radius that there is: that one, or 0. One that would be more than faint wherever it goes,
  * alone or with few others, is less of a blemish where it is. */
-int spread_farthest(const Around *sums, int radius, double alone, Way *way);
+int spread_farthest(const Lone *lone, const Around *sums, int radius, double alone, Way *way);
+/* Spreads a sample that was to go by cells over its clump, by pixels. */
+void spread_in_clump(const Maps *maps, Lone *lone, Way *way);
 /* Where a sample goes, by its radius. far: that is to be found by cells. */
-void spread_find_way(const Maps *maps, const Lone *lone, Way *way);
+void spread_find_way(const Maps *maps, Lone *lone, Way *way);
 /* What of a sample in row y goes its way. */
 Lone spread_lone_on_way(const Maps *maps, uint32_t y, const Way *way);
 /* What pixels of a row, as far as the sample's disc holds them, get of it. weights: 2 * SPREAD_FARTHEST + 1 of them. */

@@ -735,6 +735,43 @@ static void spots_stay_together(void **state)
     }
 }
 
+/* What a bend of glass throws on a dark wall: a spot, or a line, that each of its pixels has found once or not at all, by samples of
+ * very different light. However bright it is, it stays where it is, and has no dots but at its border. */
+static void what_is_small_and_glaring_stays_small(void **state)
+{
+    (void)state;
+    for (int line = 0; line < 2; line++) {
+        Error error;
+        Films films;
+        double all = 0, beyond = 0, most = 0;
+        assert_int_equal(film_init(&films.film, LARGE, LARGE, &error), STATUS_OK);
+        assert_int_equal(bright_film_init(&films.bright, false, LARGE, LARGE, &error), STATUS_OK);
+        for (uint32_t at = 0; at < LARGE * LARGE; at++)
+            for (uint32_t i = 0; i < 4 * SAMPLES_OF_LARGE; i++) {
+                int x = (int)(at % LARGE) - 100, y = (int)(at / LARGE) - 90;
+                bool inside = line ? abs(x) < 60 && abs(y) < 3 : x * x * 9 + y * y < 40 * 40;
+                double chance = hash_to_unit(hash_u64((uint64_t)at << 32 | i)) * 4 * SAMPLES_OF_LARGE;
+                float light = inside && chance < 0.6 ? (float)(900 * exp2(10 * chance)) : 0.04f;
+                add(&films, at % LARGE, at / LARGE, (float[]){light, light, light}, 1);
+            }
+        resolve_large(&films);
+        for (uint32_t at = 0; at < LARGE * LARGE; at++) {
+            int x = (int)(at % LARGE) - 100, y = (int)(at / LARGE) - 90;
+            double gain = (double)films.spread.pixels[5 * (size_t)at] - 0.04;
+            bool near = line ? abs(x) < 70 && abs(y) < 13 : x * x * 9 + y * y < 70 * 70;
+            all += gain;
+            if (near) continue;
+            beyond += gain;
+            most = fmax(most, gain);
+        }
+        printf("    %s: beyond are %.1e of its light, and %.3f of the wall's at most\n", line ? "line" : "spot",
+               beyond / all, most / 0.04);
+        assert_true(films.way.samples > 100);
+        assert_true(most < 0.1 * 0.04);
+        end(&films);
+    }
+}
+
 /* Where all is lit by one colour, a sample of that colour goes as far as a grey one does in grey. */
 static void what_all_is_lit_by_is_no_tint(void **state)
 {
@@ -944,6 +981,7 @@ int main(void)
         cmocka_unit_test(what_comes_gets_the_colour_there),
         cmocka_unit_test(lamps_stay_where_they_are),
         cmocka_unit_test(spots_stay_together),
+        cmocka_unit_test(what_is_small_and_glaring_stays_small),
         cmocka_unit_test(what_all_is_lit_by_is_no_tint),
         cmocka_unit_test(much_goes_far),
         cmocka_unit_test(order_and_area),
