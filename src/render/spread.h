@@ -10,6 +10,8 @@
  * - It goes to the smallest neighbourhood that holds enough comparable samples, or in which all of these are not seen any
  *   more: next to it few are enough, farther away many, else each neighbourhood would be seen as a disc. One that would be seen
  *   wherever it goes, and has hardly any like it there, makes less of a blemish where it is, and stays.
+ * - Where comparable samples lie closer together than farther away, and are so bright that a disc over both would be seen, as in
+ *   the spot of a lens or a rainbow on a dark wall, they go to what is found among them, or stay.
  * - Where comparable samples of near pixels differ in number beyond chance, those with more of them get more: lines and points
  *   stay as sharp as they were found.
  * - It goes to pixels that show the same thing first, by how much of them does; not over the thing's edge. A medium that

@@ -345,15 +345,17 @@ bool spread_is_in_clump(const Lone *lone, const Around *sums, int radius, Clump 
             clump->density[i] = density;
         }
     }
-    for (int i = 1; i < CLUMP_SIZES && clump->radius[i] > 0 && !clump->left; i++)
-        if (is_thin(density, clump->density[i], clumps[i].fewer)) clump->left = clump->radius[i];
+    for (int i = 1; i < CLUMP_SIZES && clump->radius[i] > 0; i++)
+        clump->is_larger = clump->is_larger || is_thin(density, clump->density[i], clumps[i].fewer);
     return is_thin(density, clump->density[0], clumps[0].fewer);
 }
 
 int spread_farthest(const Lone *lone, const Around *sums, int radius, double alone, Way *way)
 {
     bool even = !is_thin(density_in(lone, sums, radius), way->clump.densest, clumps[0].fewer);
-    if (alone * (even ? 1 : sums->alike) > FAINT && !(even && sums->alike >= NO_CHANCE)) return 0;
+    /* those that lie together make a haze together, in which colours make up for each other */
+    double haze = even ? alone : alone * sums->alike * lone->light / lone->seen;
+    if (haze > FAINT && !(even && sums->alike >= NO_CHANCE)) return 0;
     (void)find_image(sums, radius, way);
     return radius;
 }
@@ -378,7 +380,7 @@ static bool is_glaring(const Maps *maps, const Lone *lone, const Around *sums, d
 
 bool spread_is_uneven(const Maps *maps, const Lone *lone, const Around *sums, int radius, const Clump *clump)
 {
-    return clump->radius[0] > 0 && (clump->left || is_aside(sums, radius)) &&
+    return clump->radius[0] > 0 && (clump->is_larger || is_aside(sums, radius)) &&
            is_glaring(maps, lone, sums, weights_within(sums, radius));
 }
 

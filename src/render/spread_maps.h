@@ -44,7 +44,7 @@ typedef struct Density {
 enum { CLUMP_SIZES = 3 };
 typedef struct Clump {
     uint16_t radius[CLUMP_SIZES]; /* of the least disc that has so many; 0: none has, so far */
-    uint16_t left; /* the first of these that what is farther away has shown to be a clump, but the least */
+    bool is_larger;               /* what is farther away has shown one of these, but the least, to be a clump */
     Density density[CLUMP_SIZES], densest; /* of those, and the most of any that has a few */
 } Clump;
 
