@@ -593,26 +593,6 @@ static void remark_cameras(Remarks *r)
     nest_list_clear(&list);
 }
 
-/* Of the scene's own file only: a library of media is there to choose from. */
-static void remark_unused_media(Remarks *r)
-{
-    const Scene *scene = r->scene;
-    bool *used = calloc(scene->n_media, sizeof *used);
-    Tally tally = {.code = D_UNUSED_MEDIUM};
-    for (uint32_t i = 0; used && i < scene->n_objects; i++)
-        if (scene->objects[i].medium != SCENE_NONE) used[scene->objects[i].medium] = true;
-    for (uint32_t i = 0; used && i < scene->n_cameras; i++)
-        for (uint32_t k = 0; k < scene->cameras[i].n_expect; k++) used[scene->cameras[i].expect[k]] = true;
-    for (uint32_t i = 1; used && scene->n_cameras && i < scene->n_media; i++) {
-        const SceneMedium *medium = &scene->media[i];
-        if (used[i] || medium->models || medium->span.source != scene->cameras[0].span.source || !tally_next(&tally))
-            continue;
-        diag_report(r->diag, D_UNUSED_MEDIUM, medium->span, "nothing is of %s", medium->name);
-    }
-    tally_end(r, &tally);
-    free(used);
-}
-
 /* ---- what takes long ---- */
 
 /* The mean length of lines through a body, of all directions: 4 V / S, S its surface. That is at least a ball's of its volume; about
@@ -717,7 +697,6 @@ void report_remarks(const CompiledScene *compiled, Diag *diag)
         remark_cameras(&r);
         remark_covered_cameras(&r);
         remark_beyond_poles(&r);
-        remark_unused_media(&r);
         remark_many_scatterings(&r);
     }
     probe_clear(&r.probe);

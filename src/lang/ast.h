@@ -88,6 +88,7 @@ struct NodeExpr {
     Span name_span;
     Block *block;
     const NodeType *type; /* resolved: the built-in type, NULL when only a prototype or macro can be meant */
+    const NodeType *declares; /* resolved: what it is of, where that is nowhere by itself, as a medium; else NULL */
     bool has_prototype;
     Slot prototype;       /* resolved: the slot that may hold a prototype */
     Def *def;             /* resolved: the macro that is used like a node */

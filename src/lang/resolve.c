@@ -67,6 +67,19 @@ static void report_unused_file(Resolver *resolver, Stmt *import)
     import->as.import.used = true; /* it is one mistake, of however many names */
 }
 
+/* The property by which objects take a node of the type, as interior = glass. */
+static const char *taker_of(const Schema *schema, const NodeType *type)
+{
+    for (size_t i = 0; i < schema->n_nodes; i++) {
+        const NodeType *placed = &schema->nodes[i];
+        for (size_t k = 0; (placed->flags & NODE_PLACED) && k < placed->n_props; k++) {
+            const PropType *prop = &placed->props[k];
+            if (prop->kind == PROP_NODE && prop->choices && choice_allows(prop->choices, type->name)) return prop->name;
+        }
+    }
+    return NULL;
+}
+
 static void report_unused(Resolver *resolver, const Binding *binding)
 {
     const char *name = binding->symbol->text;
@@ -81,6 +94,8 @@ static void report_unused(Resolver *resolver, const Binding *binding)
         return;
     }
     Diagnostic *report = diag_report(resolver->diag, D_UNUSED_NAME, binding->span, "'%s' is never used", name);
+    const char *taker = binding->declares ? taker_of(resolver->schema, binding->declares) : NULL;
+    if (taker) diag_hint(resolver->diag, report, "what is to be of it says so: %s = %s", taker, name);
     if (!outer || !outer->has_span || outer->kind != BINDING_SLOT || outer->span.source != binding->span.source) return;
     diag_hint(resolver->diag, report,
               "to change the '%s' outside of this block write: var %s = ... there, %s := ... here", name, name, name);
@@ -90,7 +105,8 @@ void scope_end(Resolver *resolver)
 {
     for (Binding *binding = resolver->scope->bindings; binding; binding = binding->next_in_scope) {
         binding->symbol->binding = binding->shadowed;
-        if (binding->warns && !binding->used && binding->symbol->text[0] != '_') report_unused(resolver, binding);
+        bool meant = binding->used || binding->symbol->sought || binding->symbol->text[0] == '_';
+        if (binding->warns && !meant) report_unused(resolver, binding);
     }
     resolver->scope = resolver->scope->outer;
 }
@@ -147,7 +163,7 @@ Slot scope_declare_slot(Resolver *resolver, Symbol *symbol, Span span)
 }
 
 /* what a statement declares; NULL when it declares nothing */
-static const Symbol *declared_by(const Stmt *stmt, Span *span)
+static Symbol *declared_by(const Stmt *stmt, Span *span)
 {
     switch (stmt->kind) {
     case STMT_BIND:
@@ -163,8 +179,9 @@ bool note_later_declaration(Resolver *resolver, Diagnostic *report, const Symbol
     Span span;
     for (const Scope *scope = resolver->scope; scope; scope = scope->outer)
         for (Stmt *stmt = scope->at; stmt; stmt = stmt->next) {
-            if (declared_by(stmt, &span) != symbol) continue;
-            if (stmt->kind == STMT_IMPORT) stmt->as.import.used = true;
+            Symbol *declared = declared_by(stmt, &span);
+            if (declared != symbol) continue;
+            declared->sought = true;
             diag_note(resolver->diag, report, span, "it is declared only here");
             return true;
         }
@@ -176,8 +193,10 @@ void suggest_later(Resolver *resolver, Diagnostic *report, const Symbol *wrong)
     Span span;
     for (const Scope *scope = resolver->scope; scope; scope = scope->outer)
         for (const Stmt *stmt = scope->at; stmt; stmt = stmt->next) {
-            const Symbol *symbol = declared_by(stmt, &span);
-            if (!symbol || !suggest_nearest(wrong->text, &symbol->text, 1)) continue;
+            Symbol *symbol = declared_by(stmt, &span);
+            const char *text = symbol ? symbol->text : NULL;
+            if (!text || !suggest_nearest(wrong->text, &text, 1)) continue;
+            symbol->sought = true;
             diag_hint(resolver->diag, report, "did you mean '%s'?", symbol->text);
             diag_note(resolver->diag, report, span, "it is declared only here");
             return;
@@ -696,6 +715,7 @@ static void declare_alias(Resolver *resolver, const Export *export, Stmt *stmt)
     binding->index = target->index;
     binding->variable = target->variable;
     binding->def = target->def;
+    binding->declares = target->declares;
     binding->module = target->module;
     binding->poison = target->poison;
     binding->from = stmt->as.import.file;
@@ -747,10 +767,10 @@ static void resolve_node_stmt(Resolver *resolver, Stmt *stmt)
     NodeExpr *node = stmt->as.node;
     resolve_node(resolver, node, false);
     if (node->name) { /* declared behind its own block: it cannot contain itself */
-        Slot slot = scope_declare_slot(resolver, node->name, node->name_span);
-        stmt->as.node->name->binding->used = true;
-        stmt->as.node = node;
-        node->name_slot = slot;
+        node->name_slot = scope_declare_slot(resolver, node->name, node->name_span);
+        Binding *binding = node->name->binding;
+        binding->declares = node->declares;
+        binding->warns = binding->declares && warns_here(resolver, true);
     }
 }
 

@@ -25,6 +25,7 @@ struct Binding {
     uint32_t level, index;  /* BINDING_SLOT */
     Def *def;
     File *module;
+    const NodeType *declares; /* as a NodeExpr does */
     const File *from; /* that a use without a name brought it from; NULL: declared here */
     Stmt *import;     /* that brought it: by its name, or one of its names; NULL: declared here */
 };

@@ -733,12 +733,15 @@ static void find_node(Resolver *resolver, NodeExpr *node)
     } else if (binding && binding->kind == BINDING_SLOT) {
         node->has_prototype = true;
         node->prototype = slot_of(resolver, binding);
+        node->declares = binding->declares;
     } else if (binding && binding->kind == BINDING_DEF) {
         node->def = binding->def;
         node->type = NULL;
         node->def_hops = binding->def->level ? resolver->level - binding->def->level : 0;
     } else if (!node->type && (node->path.n == 1 || binding)) {
         report_no_node(resolver, node);
+    } else if (node->type && !(node->type->flags & (NODE_PLACED | NODE_SINGLE))) {
+        node->declares = node->type;
     }
     if (node->type) resolve_defaults_of(resolver, node);
 }

@@ -23,6 +23,7 @@ struct Symbol {
     const char *text;
     struct Diagnostic *unknown; /* the report that nothing of that name is visible, and how often it was added to */
     uint32_t n_unknown;
+    bool sought; /* a report says that it may be meant: that nothing uses it is the same mistake */
 };
 
 typedef struct SymbolTable {

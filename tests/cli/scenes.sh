@@ -278,10 +278,10 @@ end
 
 begin "check: remarks, which are no warnings"
 small_scene
-sed -i 's/^film/medium oil { ior = 1.47 }\nfilm/' small.mns
+sed -i 's/^film/sphere speck { radius = 4um  center = <0, 20, 0>  interior = glass }\nfilm/' small.mns
 run check small.mns --werror
 exits 0
-matches err '^small\.mns:11:1: remark: nothing is of oil \[unused-medium\]$'
+matches err '^small\.mns:11:1: remark: speck is .* smaller than anything else in the scene \[odd-size\]$'
 says err "small.mns: 1 remark"
 run check small.mns --json
 is_json out
@@ -292,8 +292,8 @@ exits 0
 empty err
 run render small.mns -s 1
 says_not err remark
-run help unused-medium
-says out "unused-medium (remark)"
+run help odd-size
+says out "odd-size (remark)"
 end
 
 begin "a height field from a picture: its values as they are in the file"

@@ -257,7 +257,6 @@ static void remarks_tell_what_is_worth_a_look(void **state)
          "a is a liquid with flat sides, and touches nothing"},
         {GLASS "box a { interior = glass size = <10, 10, 3000> }" VIEW, D_CAMERA_INSIDE,
          "eye is inside of a, in glass"},
-        {TWO_MEDIA "sphere a { interior = glass }" VIEW, D_UNUSED_MEDIUM, "nothing is of water"},
         {TWO_MEDIA "box a { interior = glass from = <90, 0, 0> to = <100, 1, 1> } "
                    "box b { interior = water from = <100.00002, 0, 0> to = <110, 1, 1> }" VIEW,
          D_NEAR_COINCIDENT, "faces of b and a are 22.9 nm apart, which is less than coordinates can tell there"},
