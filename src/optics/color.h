@@ -1,7 +1,6 @@
 /* color.h - the CIE 1931 observer, the working space, and RGB to spectra and back.
- * The working space is linear with Rec.709 primaries and D65 white unless a configuration says
- * otherwise; a light of RGB (1,1,1) has the spectrum of D65, normalized so that it resolves to exactly
- * (1,1,1).
+ * The working space is linear with Rec.709 primaries and D65 white; a light of RGB (1,1,1) has the spectrum of D65,
+ * normalized so that it resolves to exactly (1,1,1).
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_COLOR_H
 #define MEN_COLOR_H

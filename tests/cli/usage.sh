@@ -81,6 +81,18 @@ refuses "there is no completion for 'tcsh'" completion tcsh
 run help hdri
 exits 0
 says out 'environment { image = "studio.exr" }'
+for topic in polarizer polarisation; do
+    run help $topic
+    exits 0
+    says out 'There is no filter that polarizes'
+done
+run help thin_film
+exits 0
+says out 'film = 400nm'
+run help mist
+exits 0
+says out 'A mist has no rainbow'
+refuses "balls of water in the light of a distant light make one" help rainbow
 refuses "there is no help for 'opn-mesh'; did you mean 'open-mesh'?" help opn-mesh
 refuses "there is no help for 'roughnes'; did you mean 'roughness'?" help roughnes
 refuses "'light_source' is POV-Ray's, see meniscus-povray(7); write: light {" help light_source
