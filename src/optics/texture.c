@@ -52,8 +52,8 @@ typedef struct RowTop {
 } RowTop;
 
 struct Environment {
-    bool is_image;
-    Spectrum constant;
+    bool is_image, has_light;
+    Spectrum light; /* the same from everywhere; or, of an image with a light, what its colours are parts of */
     float power;
 
     unsigned width, height;
@@ -278,19 +278,19 @@ static Lanes radiance_at(const Environment *environment, const EnvironmentPlace 
     for (int i = 0; i < 4; i++)
         parts[i] = texel_radiance(&environment->texels[corners->at[i]], weights[i], wavelength_nm);
     Lanes sum = lanes_add(lanes_add(lanes_add(parts[0], parts[1]), parts[2]), parts[3]);
-    return lanes_mul(sum, white_at(wavelength_nm));
+    return lanes_mul(sum, environment->has_light ? spectrum_at(&environment->light, wavelength_nm) : white_at(wavelength_nm));
 }
 
 Lanes environment_radiance_at(const Environment *environment, const EnvironmentPlace *place, Lanes wavelength_nm)
 {
-    if (!environment->is_image) return spectrum_at(&environment->constant, wavelength_nm);
+    if (!environment->is_image) return spectrum_at(&environment->light, wavelength_nm);
     Corners corners = corners_of(environment, place->row, place->column);
     return radiance_at(environment, place, &corners, wavelength_nm);
 }
 
 Lanes environment_radiance(const Environment *environment, Vec3f direction, Lanes wavelength_nm)
 {
-    if (!environment->is_image) return spectrum_at(&environment->constant, wavelength_nm);
+    if (!environment->is_image) return spectrum_at(&environment->light, wavelength_nm);
     EnvironmentPlace place = place_of(environment, direction);
     return environment_radiance_at(environment, &place, wavelength_nm);
 }
@@ -347,6 +347,11 @@ bool environment_is_black(const Environment *environment)
     return !(environment->power > 0);
 }
 
+const Spectrum *environment_light(const Environment *environment)
+{
+    return environment->has_light ? &environment->light : NULL;
+}
+
 void environment_free(Environment *environment)
 {
     if (!environment) return;
@@ -367,7 +372,8 @@ Status environment_new_constant(const Spectrum *radiance, Environment **environm
 {
     Environment *made = calloc(1, sizeof *made);
     if (!made) return fail_memory(error, sizeof *made, "an environment");
-    made->constant = *radiance;
+    made->light = *radiance;
+    made->has_light = true;
     made->power = (float)(4 * pi * spectrum_luminance(radiance));
     *environment = made;
     return STATUS_OK;
@@ -377,16 +383,18 @@ Status environment_new_constant(const Spectrum *radiance, Environment **environm
 static bool fill_texels(Environment *environment, const float *rgb, double scale)
 {
     size_t n = (size_t)environment->width * environment->height;
+    double peak = environment->has_light ? fmax(scale, scale * (double)spectrum_max(&environment->light)) : scale;
+    float seen = environment->has_light ? (float)spectrum_luminance(&environment->light) : 1;
     for (size_t i = 0; i < n; i++) {
         Texel *texel = &environment->texels[i];
         float scaled[3], largest = 0;
         for (int c = 0; c < 3; c++) {
             double value = scale * (double)rgb[3 * i + (size_t)c];
-            if (!(value <= (double)ENVIRONMENT_BRIGHTEST)) return false;
+            if (!(peak * (double)rgb[3 * i + (size_t)c] <= (double)ENVIRONMENT_BRIGHTEST)) return false;
             scaled[c] = (float)value;
             if (scaled[c] > largest) largest = scaled[c];
         }
-        environment->luminance[i] = color_luminance(scaled);
+        environment->luminance[i] = seen * color_luminance(scaled); /* with a light about: it is what is sampled by */
         /* as in spectrum_from_light: grey is white exactly, a colour has its largest channel at 1/2 */
         bool grey = scaled[0] == scaled[1] && scaled[0] == scaled[2];
         texel->scale = grey ? largest : 2 * largest;
@@ -504,12 +512,14 @@ static double *second_half(const Environment *environment, double *sums)
     return sums + (environment->width > environment->height ? environment->width : environment->height) + 2;
 }
 
-Status environment_new_image(const float *rgb, unsigned width, unsigned height, double scale, Environment **environment,
-                             Error *error)
+Status environment_new_image(const float *rgb, unsigned width, unsigned height, double scale, const Spectrum *light,
+                             Environment **environment, Error *error)
 {
     Environment *made;
     double *sums;
     TRY(new_pixels(width, height, false, &made, &sums, error));
+    made->has_light = light != NULL;
+    if (light) made->light = *light;
     bool filled = fill_texels(made, rgb, scale);
     if (filled) fill_tables(made, sums, second_half(made, sums));
     free(sums);

@@ -14,10 +14,11 @@ typedef struct Environment Environment;
 
 /* rgb: width * height * 3 floats, linear Rec.709, row 0 at the top (direction +y), the middle column at
  * direction -z turned so that u = 0.5 + atan2(x, -z) / (2 pi); negative and non-finite values are the
- * caller's to refuse. The pixels are copied (upsampled to spectra). scale multiplies the radiance. STATUS_INPUT when
+ * caller's to refuse. The pixels are copied (upsampled to spectra). scale multiplies the radiance. light: what a pixel of
+ * (1,1,1) shines with, NULL for white; copied, but for a table that it points to. STATUS_INPUT when
  * a side is 0 or above 131072, or when a pixel times scale is above ENVIRONMENT_BRIGHTEST; STATUS_NOMEM. */
 ATTR_NODISCARD Status environment_new_image(const float *rgb, unsigned width, unsigned height, double scale,
-                                            Environment **environment, Error *error);
+                                            const Spectrum *light, Environment **environment, Error *error);
 /* From the scene towards the middle of a pixel of such an image; of length 1. */
 Vec3 environment_pixel_direction(unsigned width, unsigned height, unsigned column, unsigned row);
 /* By wavelengths: width * height * ENVIRONMENT_BANDS values at evenly spread wavelengths, from SPECTRUM_MIN_NM to
@@ -51,5 +52,7 @@ Lanes environment_radiance_at(const Environment *environment, const EnvironmentP
  * beside the poles). */
 float environment_power(const Environment *environment);
 bool environment_is_black(const Environment *environment);
+/* What all of its light is a part of: that of a constant one, and of an image with a light; NULL: nothing that is one spectrum. */
+const Spectrum *environment_light(const Environment *environment);
 
 #endif

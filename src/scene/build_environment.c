@@ -43,6 +43,14 @@ static bool check_strength(Builder *b, const EvalNode *node, const float *rgb, s
     return false;
 }
 
+static void hash_light(Builder *b, const Spectrum *light)
+{
+    for (int i = 0; i < SPECTRUM_SAMPLES; i++) {
+        float value = spectrum_at_one(light, SPECTRUM_MIN_NM + (float)(i * SPECTRUM_STEP_NM));
+        b->environment_hash = hash_bytes(&value, sizeof value, b->environment_hash);
+    }
+}
+
 /* false after a report. */
 static bool environment_from_pixels(Builder *b, const EvalNode *node, Span span, const float *rgb, uint32_t width,
                                     uint32_t height)
@@ -53,8 +61,12 @@ static bool environment_from_pixels(Builder *b, const EvalNode *node, Span span,
     b->environment_hash = hash_bytes(size, sizeof size, b->environment_hash);
     b->environment_hash = hash_bulk(rgb, (size_t)width * height * 3 * sizeof *rgb, b->environment_hash);
     b->environment_hash = hash_bytes(&strength, sizeof strength, b->environment_hash);
+    Spectrum light;
+    bool colored = eval_prop(node, "color") != NULL;
+    if (colored && !build_emission(b, node, "color", 1, &light)) return false;
+    if (colored) hash_light(b, &light);
     Error error;
-    Status status = environment_new_image(rgb, width, height, strength, &b->scene->environment, &error);
+    Status status = environment_new_image(rgb, width, height, strength, colored ? &light : NULL, &b->scene->environment, &error);
     if (status != STATUS_INPUT) return build_succeeded(b, status, &error, span);
     diag_report(b->diag, D_IMAGE_INVALID, span, "%s", error.text);
     return false;
@@ -90,10 +102,7 @@ static void environment_from_color(Builder *b, const EvalNode *node)
     Error error;
     Status status = environment_new_constant(&radiance, &b->scene->environment, &error);
     if (!build_succeeded(b, status, &error, node->span)) return;
-    for (int i = 0; i < SPECTRUM_SAMPLES; i++) {
-        float value = spectrum_at_one(&radiance, SPECTRUM_MIN_NM + (float)(i * SPECTRUM_STEP_NM));
-        b->environment_hash = hash_bytes(&value, sizeof value, b->environment_hash);
-    }
+    hash_light(b, &radiance);
 }
 
 /* A function's image in the making: row by row, by all threads. */
@@ -226,8 +235,8 @@ void build_environment(Builder *b, const EvalNode *node)
     static const char *const of_sky[] = {"elevation", "ground"}, *const of_clear[] = {"azimuth", "turbidity", "disc"};
     const EvalProp *image = eval_prop(node, "image"), *function = eval_prop(node, "function");
     double scale = affine_even_scale(&node->transform, 1e-6);
-    static const char *const sources[] = {"color", "image", "function", "sky"};
-    bool one = true;
+    static const char *const sources[] = {"image", "function", "sky"};
+    bool one = build_exclude(b, node, "color", "sky");
     for (size_t i = 0; i < COUNT_OF(sources); i++)
         for (size_t k = i + 1; k < COUNT_OF(sources) && one; k++) one = build_exclude(b, node, sources[i], sources[k]);
     if (!one) return;

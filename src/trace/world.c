@@ -214,7 +214,9 @@ static Status find_lines(World *world, Error *error)
         const SceneMedium *medium = &scene->media[i];
         lights[k] = (LightOfScene){medium->temperature ? NULL : &medium->emission, powers[k]};
     }
-    lights[k] = (LightOfScene){NULL, scene->environment ? far_power(world, LIGHT_ENVIRONMENT) : 0};
+    lights[k] = (LightOfScene){NULL, 0};
+    if (scene->environment)
+        lights[k] = (LightOfScene){environment_light(scene->environment), far_power(world, LIGHT_ENVIRONMENT)};
     Status status = wavelength_lines_new(lights, n + 1, &world->lines, error);
     free(lights);
     return status;

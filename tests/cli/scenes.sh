@@ -334,6 +334,37 @@ there egg.exr
 same_flat egg.mns
 end
 
+begin "scenes: a function of an environment shines with its colour, of whatever spectrum"
+sky_scene() { # WHAT
+    cat << SCENE
+meniscus 1.0 unit cm
+def _everywhere(p) = 2
+def _above(p) = p.y > 0 ? 1 : .5
+let narrow = spectrum([<540, 0>, <550, 1>, <560, 0>])
+environment { $1 }
+sphere { radius = 3  surface = surface { albedo = .8 } }
+camera { from = <0, 5, 20>  to = <0, 0, 0>  fov = 30 }
+film { size = <24, 24> }
+render { samples = 64  fireflies = keep }
+SCENE
+}
+sky_scene "color = narrow  strength = 2" > even.mns
+sky_scene "color = narrow  function = _everywhere  resolution = 64" > asked.mns
+sky_scene "color = narrow  function = _above" > above.mns
+sky_scene "color = narrow  sky = clear" > sky.mns
+run render even.mns -o even.exr
+exits 0
+run render asked.mns -o asked.exr
+exits 0
+run compare even.exr asked.exr --max-rmse 0.03
+exits 0
+run render above.mns -o above.exr
+exits 0
+run check sky.mns
+exits 3
+says err "'color' and 'sky' exclude each other"
+end
+
 begin "scenes: the fog that is recommended is one"
 for wrong in 'environment { fog = .1 }' 'fog { density = .1 }'; do
     printf 'meniscus 1.0 unit cm\n%s\n' "$wrong" > fog.mns

@@ -13,7 +13,7 @@ static Environment *make_image(const float *rgb, unsigned width, unsigned height
 {
     Environment *environment = NULL;
     Error error;
-    assert_int_equal(environment_new_image(rgb, width, height, scale, &environment, &error), STATUS_OK);
+    assert_int_equal(environment_new_image(rgb, width, height, scale, NULL, &environment, &error), STATUS_OK);
     return environment;
 }
 
@@ -308,6 +308,34 @@ static void colours_resolve(void **unused)
     environment_free(environment);
 }
 
+/* What a light of lines gives an image: its own wavelengths, by the image's values, and as much power. */
+static void images_shine_with_a_light(void **unused)
+{
+    (void)unused;
+    float table[SPECTRUM_SAMPLES], rgb[HEIGHT * WIDTH * 3];
+    const double rows[] = {550, 0, 580, 40, 600, 0};
+    Spectrum light = spectrum_from_rows(rows, COUNT_OF(rows) / 2, table);
+    fill_image(IMAGE_FLAT, rgb);
+    Environment *environment = NULL;
+    Error error;
+    assert_int_equal(environment_new_image(rgb, WIDTH, HEIGHT, 3, &light, &environment, &error), STATUS_OK);
+    Lanes nm = some_wavelengths(), radiance = environment_radiance(environment, vec3f(0.6f, 0, 0.8f), nm);
+    for (int i = 0; i < LANES; i++)
+        assert_float_equal(lanes_get(radiance, i), 3 * spectrum_at_one(&light, lanes_get(nm, i)), 1e-4f);
+    assert_float_equal(environment_power(environment) / (12 * (float)pi * (float)spectrum_luminance(&light)), 1, 1e-5f);
+    assert_true(spectrum_same(environment_light(environment), &light));
+    environment_free(environment);
+    environment = make_image(rgb, WIDTH, HEIGHT, 1);
+    assert_null(environment_light(environment));
+    environment_free(environment);
+
+    /* as bright as can be by itself, and with its light too bright */
+    const float bright[3] = {1e29f, 1e29f, 1e29f};
+    assert_int_equal(environment_new_image(bright, 1, 1, 1, NULL, &environment, &error), STATUS_OK);
+    environment_free(environment);
+    assert_int_equal(environment_new_image(bright, 1, 1, 1, &light, &environment, &error), STATUS_INPUT);
+}
+
 static void black_bad_and_tiny_images(void **unused)
 {
     (void)unused;
@@ -321,11 +349,11 @@ static void black_bad_and_tiny_images(void **unused)
     assert_true(lanes_zero(environment_radiance(environment, direction, some_wavelengths())));
     environment_free(environment);
 
-    assert_int_equal(environment_new_image(blinding, 1, 1, 10, &environment, &error), STATUS_INPUT);
-    assert_int_equal(environment_new_image(blinding, 1, 1, 1, &environment, &error), STATUS_OK);
+    assert_int_equal(environment_new_image(blinding, 1, 1, 10, NULL, &environment, &error), STATUS_INPUT);
+    assert_int_equal(environment_new_image(blinding, 1, 1, 1, NULL, &environment, &error), STATUS_OK);
     environment_free(environment);
-    assert_int_equal(environment_new_image(one, 0, 1, 1, &environment, &error), STATUS_INPUT);
-    assert_int_equal(environment_new_image(one, 1, 1u << 20, 1, &environment, &error), STATUS_INPUT);
+    assert_int_equal(environment_new_image(one, 0, 1, 1, NULL, &environment, &error), STATUS_INPUT);
+    assert_int_equal(environment_new_image(one, 1, 1u << 20, 1, NULL, &environment, &error), STATUS_INPUT);
 
     environment = make_image(one, 1, 1, 1);
     direction = sample(environment, 0.999999f, 0.999999f, &pdf);
@@ -350,6 +378,7 @@ int main(void)
         cmocka_unit_test(samples_know_their_places),
         cmocka_unit_test(constant_is_uniform),
         cmocka_unit_test(colours_resolve),
+        cmocka_unit_test(images_shine_with_a_light),
         cmocka_unit_test(black_bad_and_tiny_images),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
