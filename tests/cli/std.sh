@@ -50,6 +50,7 @@ assert(len(shapes.path_frames([x, y], z)) == 2 and length(shapes.disc_point(1, 2
 assert(len(shapes.hold_edges([<0, 0>, <9, 0>, <9, 1>], 1)) == 5)
 assert(len(shapes.hold_edges([for (a in 0..90 by 5) 100 * <cos(a), sin(a)>, <0, 200>], 1)) == 24)  // held: the ends alone
 let ball = sphere { radius = 2mm  interior = media.borosilicate }
+sphere { radius = 2mm  interior = media.foam()  center = <10 * 30cm, 0, 40cm> }
 group { shapes.ring(4, 20mm) { ball { } }  translate(<6 * 30cm, 0, 40cm>) }
 group { shapes.row(4, 20mm * z) { ball { } }  translate(<7 * 30cm, 0, 40cm>) }
 group { shapes.grid(2, 2, <20mm, 0, 20mm>) { ball { } }  translate(<8 * 30cm, 0, 40cm>) }
@@ -119,6 +120,45 @@ SCENE
     run render shot.mns -s 2
     exits 0
 done
+end
+
+begin "std: in a dark field a drink has its colour at its edges, and is dark in its middle, from all sides"
+for view in "" ", azimuth = 50" ", elevation = 0"; do
+    cat > drink.mns << SCENE
+meniscus 1.0 unit mm
+use "std/media.mns" as media
+use "std/glassware.mns" as glassware
+use "std/studio.mns" as studio
+studio.dark_field(100mm$view) { glassware.tumbler { drink = media.whisky  level = 55mm } }
+film { size = <50, 50> }
+render { samples = 64 }
+SCENE
+    run render drink.mns --pixel 14,28
+    exits 0
+    awk '$1 == "R" && $2 > .3 { r = 1 } $1 == "B" && $2 < .05 { b = 1 } END { exit !(r && b) }' out || flunk "no amber:$view"
+    run render drink.mns --pixel 25,3
+    awk '/^[RGB] / && $2 > .02 { exit 1 }' out || flunk "the card does not fill the picture:$view"
+done
+end
+
+begin "std: foam turns light after as many bubbles as were measured; milk is white"
+cat > white.mns << 'SCENE'
+meniscus 1.0 unit mm
+use "std/media.mns" as media
+param what = 0
+box { interior = what == 0 ? media.milk : what == 1 ? media.skimmed_milk : media.foam(1mm, .14)
+      from = <-90, -90, -90>  to = <90, 90, 0> }
+environment { color = 1 }
+camera { from = <0, 0, 300>  to = <0, 0, 0>  fov = 2 }
+film { size = <2, 2> }
+render { samples = 256 }
+SCENE
+run dump white.mns -D what=2
+says out "absorption = 0  scattering = 0.4  state = liquid"
+run render white.mns --pixel 0,0
+exits 0
+# of light from all sides, what a half-space without a boundary gives back: some .9 of red, and most of blue
+awk '$1 == "R" { r = $2 } $1 == "B" { b = $2 } END { exit !(r > .85 && r < 1 && b > .75 && b < r) }' out || flunk "milk is not white"
 end
 
 begin "std: no ray loses its place in a glass, full or empty"
