@@ -4,6 +4,8 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "optics/color.h"
 
+#include <math.h>
+
 #include "optics/observer.h"
 
 void color_matching(float wavelength_nm, float xyz[3])
@@ -92,14 +94,45 @@ void reflected_color_init(ReflectedColor *color)
         for (int c = 0; c < 3; c++) color->weights[i][c] = lanes_scale(color->weights[i][c], (float)(1 / sum[c]));
 }
 
+/* Between two rows, and two of the observer's, both are linear: Simpson's rule is exact. */
+static double y_of_piece(const SpectrumRow *row, double from, double to)
+{
+    double sum = 0;
+    for (int i = 0; i < 3; i++) {
+        float xyz[3];
+        double nm = from + (to - from) * i / 2, start = (double)row[0].nm;
+        double part = (nm - start) / ((double)row[1].nm - start);
+        color_matching((float)nm, xyz);
+        sum += (i == 1 ? 4 : 1) * (double)xyz[1] * ((1 - part) * (double)row[0].value + part * (double)row[1].value);
+    }
+    return sum * (to - from) / 6;
+}
+
+static double luminance_of_rows(const SpectrumRows *rows)
+{
+    double sum = 0, from = (double)SPECTRUM_MIN_NM, step = from;
+    for (uint32_t i = 0; i + 1 < rows->n; i++) {
+        double end = fmin((double)rows->row[i + 1].nm, (double)SPECTRUM_MAX_NM);
+        while (from < end) {
+            while (step <= from) step += SPECTRUM_STEP_NM;
+            double to = fmin(end, step);
+            sum += y_of_piece(&rows->row[i], from, to);
+            from = to;
+        }
+    }
+    return sum;
+}
+
 double spectrum_luminance(const Spectrum *spectrum)
 {
+    bool in_rows = spectrum->kind == SPECTRUM_ROWS;
     double weighted = 0, total = 0;
     for (int node = 0; node < OBSERVER_NODES; node++) {
         float xyz[3], nm = (float)observer_node(node);
         color_matching(nm, xyz);
-        weighted += (double)xyz[1] * (double)spectrum_at_one(spectrum, nm);
+        if (!in_rows) weighted += (double)xyz[1] * (double)spectrum_at_one(spectrum, nm);
         total += (double)xyz[1];
     }
+    if (in_rows) weighted = (double)spectrum->scale * luminance_of_rows(spectrum->rows) / OBSERVER_NODE_WEIGHT;
     return weighted / total;
 }

@@ -8,9 +8,11 @@
 #include "optics/color.h"
 
 /* Whether wavelengths_sample serves a light badly: a single one has more than LINES_FROM times the mean square that it would
- * have were all as bright as the mean. White has 1.3, the reddest that RGB can say 3, the lamp of sodium 50. */
+ * have were all as bright as the mean. White has 1.3, the reddest that RGB can say 3, the lamp of sodium 50
+ * as a table, and more in rows. */
 #define LINES_FROM 8.0
-bool spectrum_is_lines(const Spectrum *light);
+/* STATUS_NOMEM. */
+ATTR_NODISCARD Status spectrum_find_lines(const Spectrum *light, bool *lines, Error *error);
 
 typedef struct WavelengthLines WavelengthLines;
 
@@ -20,12 +22,14 @@ typedef struct LightOfScene {
 } LightOfScene;
 
 /* For a scene of n lights. Three lanes are for its lines, which count alike there, whatever their power; or one, as colours of white
- * light get noisier by that, where other lights bring more than a hundredth; or none, where lines bring less than that.
+ * light get noisier by that, where other lights bring more than a hundredth. Where lines bring less than that, a lane of eight
+ * paths if some are in rows, as these would be found by chance only; else none.
  * *lines: NULL if none. STATUS_NOMEM. */
 ATTR_NODISCARD Status wavelength_lines_new(const LightOfScene *lights, size_t n, WavelengthLines **lines, Error *error);
 void wavelength_lines_free(WavelengthLines *lines); /* NULL is fine */
 
-/* As wavelengths_sample: the lanes of u + 1/4 are those of u, the next one first; for a uniform u each lane has the density pdf. */
+/* Lines in rows are followed row by row: their wavelengths are as exact as float's.
+ * As wavelengths_sample: the lanes of u + 1/4 are those of u, the next one first; for a uniform u each lane has the density pdf. */
 WavelengthSample wavelength_lines_sample(const WavelengthLines *lines, float u);
 
 #endif

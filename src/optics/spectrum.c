@@ -5,6 +5,8 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "optics/spectrum.h"
 
+#include <string.h>
+
 #include "optics/color.h"
 #include "optics/observer.h"
 
@@ -26,6 +28,31 @@ static Lanes table_at(const float *table, Lanes wavelength_nm)
         lanes_set(&fraction, i, 1);
     }
     return observer_between(table, row, fraction);
+}
+
+/* At 830 nm as in the last 5 nm. */
+static float row_value(const SpectrumRows *rows, float wavelength_nm)
+{
+    float fraction;
+    int kept = observer_row(wavelength_nm, SPECTRUM_STEP_NM, &fraction);
+    if (kept > SPECTRUM_SAMPLES - 2) kept = SPECTRUM_SAMPLES - 2;
+    uint32_t low = rows->first[kept], high = rows->first[kept + 1] + 1; /* row[low] <= wavelength < row[high] */
+    if (high > rows->n - 1) high = rows->n - 1;
+    while (high - low > 1) {
+        uint32_t middle = low + (high - low) / 2;
+        *(rows->row[middle].nm <= wavelength_nm ? &low : &high) = middle;
+    }
+    const SpectrumRow *here = &rows->row[low], *next = here + 1;
+    float part = (wavelength_nm - here->nm) / (next->nm - here->nm);
+    part = part > 0 ? (part < 1 ? part : 1) : 0;
+    return (1 - part) * here->value + part * next->value;
+}
+
+static Lanes rows_at_lanes(const SpectrumRows *rows, Lanes wavelength_nm)
+{
+    Lanes result = lanes_all(0);
+    for (int i = 0; i < LANES; i++) lanes_set(&result, i, row_value(rows, lanes_get(wavelength_nm, i)));
+    return result;
 }
 
 Lanes spectrum_varying_at(const Spectrum *spectrum, Lanes wavelength_nm)
@@ -56,6 +83,7 @@ Lanes spectrum_varying_at(const Spectrum *spectrum, Lanes wavelength_nm)
         break;
     }
     case SPECTRUM_LANES: result = lanes(value[0], value[1], value[2], value[3]); break;
+    case SPECTRUM_ROWS: result = rows_at_lanes(spectrum->rows, wavelength_nm); break;
     case SPECTRUM_CONSTANT: /* see spectrum_at */
     case SPECTRUM_TABLE:
     default:
@@ -70,8 +98,15 @@ float spectrum_at_one(const Spectrum *spectrum, float wavelength_nm)
     return lanes_get(spectrum_at(spectrum, lanes_all(wavelength_nm)), 0);
 }
 
+static bool same_rows(const SpectrumRows *a, const SpectrumRows *b)
+{
+    return a->n == b->n && memcmp(a->row, b->row, a->n * sizeof *a->row) == 0;
+}
+
 bool spectrum_same(const Spectrum *a, const Spectrum *b)
 {
+    if (a->kind == SPECTRUM_ROWS || b->kind == SPECTRUM_ROWS)
+        return a->kind == b->kind && a->scale == b->scale && same_rows(a->rows, b->rows);
     for (int i = 0; i < SPECTRUM_SAMPLES; i++) {
         float nm = SPECTRUM_MIN_NM + (float)(i * SPECTRUM_STEP_NM);
         if (spectrum_at_one(a, nm) != spectrum_at_one(b, nm)) return false;
@@ -95,16 +130,25 @@ bool spectrum_is_constant(const Spectrum *spectrum)
         for (int i = 1; i < SPECTRUM_SAMPLES; i++)
             if (spectrum->table[i] != spectrum->table[0]) return false;
         return true;
+    case SPECTRUM_ROWS: /* what is the same everywhere needs none */
     case SPECTRUM_LIGHT:
     default:
         return false;
     }
 }
 
+static float largest_row(const SpectrumRows *rows)
+{
+    float largest = -HUGE_VALF;
+    for (uint32_t i = 0; i < rows->n; i++) largest = fmaxf(largest, rows->row[i].value);
+    return largest;
+}
+
 bool spectrum_is_zero(const Spectrum *spectrum)
 {
     if (spectrum->scale == 0) return true;
     if (spectrum->kind == SPECTRUM_CONSTANT) return spectrum->value[0] == 0;
+    if (spectrum->kind == SPECTRUM_ROWS) return !(largest_row(spectrum->rows) > 0);
     if (spectrum->kind != SPECTRUM_TABLE) return false;
     for (int i = 0; i < SPECTRUM_SAMPLES; i++)
         if (spectrum->table[i] != 0) return false;
@@ -114,6 +158,7 @@ bool spectrum_is_zero(const Spectrum *spectrum)
 float spectrum_max(const Spectrum *spectrum)
 {
     float largest = -HUGE_VALF;
+    if (spectrum->kind == SPECTRUM_ROWS) return spectrum->scale * largest_row(spectrum->rows);
     for (int i = 0; i < SPECTRUM_SAMPLES; i += LANES) {
         float nm = SPECTRUM_MIN_NM + (float)(i * SPECTRUM_STEP_NM), step = (float)SPECTRUM_STEP_NM;
         /* the last group reaches past 830 nm */
@@ -189,20 +234,62 @@ typedef struct RowSet {
     size_t n;
 } RowSet;
 
+/* Whether there are rows about a kept wavelength that it does not stand for by itself. */
+static bool is_fine_about(const RowSet *set, double wavelength_nm)
+{
+    const double half = SPECTRUM_STEP_NM / 2.0;
+    size_t first = row_from(set->rows, set->n, wavelength_nm - half), end = row_from(set->rows, set->n, wavelength_nm + half);
+    return end > first + 1 || (end == first + 1 && set->rows[2 * first] != wavelength_nm);
+}
+
 static double sample_rows(void *context, double wavelength_nm)
 {
     const RowSet *set = context;
     const double half = SPECTRUM_STEP_NM / 2.0;
-    size_t first = row_from(set->rows, set->n, wavelength_nm - half), end = row_from(set->rows, set->n, wavelength_nm + half);
-    bool fine = end > first + 1 || (end == first + 1 && set->rows[2 * first] != wavelength_nm);
-    return fine ? rows_mean(set->rows, set->n, wavelength_nm - half, wavelength_nm + half)
-                : rows_at(set->rows, set->n, wavelength_nm);
+    return is_fine_about(set, wavelength_nm) ? rows_mean(set->rows, set->n, wavelength_nm - half, wavelength_nm + half)
+                                             : rows_at(set->rows, set->n, wavelength_nm);
+}
+
+bool spectrum_rows_are_fine(const double *rows, size_t n)
+{
+    RowSet set = {rows, n};
+    for (int i = 0; i < SPECTRUM_SAMPLES; i++)
+        if (is_fine_about(&set, (double)SPECTRUM_MIN_NM + i * SPECTRUM_STEP_NM)) return true;
+    return false;
 }
 
 Spectrum spectrum_from_rows(const double *rows, size_t n, float *table)
 {
     RowSet set = {rows, n};
     return spectrum_tabulate(sample_rows, &set, table);
+}
+
+/* Rows that become one wavelength in float are a step, which takes the next one. */
+static void add_row(SpectrumRows *rows, double nm, double value)
+{
+    SpectrumRow row = {(float)nm, (float)value};
+    if (rows->n > 0 && !(row.nm > rows->row[rows->n - 1].nm)) row.nm = nextafterf(rows->row[rows->n - 1].nm, HUGE_VALF);
+    rows->row[rows->n++] = row;
+}
+
+Spectrum spectrum_from_fine_rows(const double *rows, size_t n, SpectrumRows *kept)
+{
+    kept->n = 0;
+    if (rows[0] > (double)SPECTRUM_MIN_NM) add_row(kept, (double)SPECTRUM_MIN_NM, rows[1]);
+    for (size_t i = 0; i < n; i++) add_row(kept, rows[2 * i], rows[2 * i + 1]);
+    if (rows[2 * n - 2] < (double)SPECTRUM_MAX_NM) add_row(kept, (double)SPECTRUM_MAX_NM, rows[2 * n - 1]);
+    for (uint32_t k = 0, i = 0; k < SPECTRUM_SAMPLES; k++) {
+        while (i + 1 < kept->n && kept->row[i + 1].nm <= SPECTRUM_MIN_NM + (float)(k * SPECTRUM_STEP_NM)) i++;
+        kept->first[k] = i;
+    }
+    spectrum_from_rows(rows, n, kept->table);
+    return (Spectrum){.kind = SPECTRUM_ROWS, .scale = 1, .rows = kept};
+}
+
+Spectrum spectrum_smoothed(const Spectrum *spectrum)
+{
+    if (spectrum->kind != SPECTRUM_ROWS) return *spectrum;
+    return (Spectrum){.kind = SPECTRUM_TABLE, .scale = spectrum->scale, .table = spectrum->rows->table};
 }
 
 /* Planck's law relative to its value at 830 nm: (830 / w)^5 (e^(c/830) - 1) / (e^(c/w) - 1) with c the

@@ -23,15 +23,31 @@ typedef enum SpectrumKind {
     SPECTRUM_CAUCHY,   /* A + B / um^2 + C / um^4 */
     SPECTRUM_SELLMEIER,/* n^2 = 1 + sum B_i um^2 / (um^2 - C_i) */
     SPECTRUM_TABLE,    /* SPECTRUM_SAMPLES values, linear in between */
+    SPECTRUM_ROWS,     /* values at wavelengths of their own, closer than a table's: the lines of a lamp */
     SPECTRUM_LANES     /* value[0 .. 3] at the four wavelengths that it is asked for, whatever they are: a texture's value at
                         * one hit; of no use elsewhere */
 } SpectrumKind;
+
+/* A wavelength in nm, and the value there; linear in between. */
+typedef struct SpectrumRow {
+    float nm, value;
+} SpectrumRow;
+
+typedef struct SpectrumRows {
+    uint32_t n;
+    SpectrumRow *row;                 /* ascending; the first is not above SPECTRUM_MIN_NM, the last not below SPECTRUM_MAX_NM */
+    uint32_t first[SPECTRUM_SAMPLES]; /* the last row that is not above each wavelength that a table keeps */
+    float table[SPECTRUM_SAMPLES];    /* what a table keeps of them */
+} SpectrumRows;
 
 typedef struct Spectrum {
     SpectrumKind kind;
     float scale; /* multiplies the value, whatever the kind */
     float value[6];
-    const float *table; /* SPECTRUM_TABLE only; not owned */
+    union { /* not owned */
+        const float *table;       /* of SPECTRUM_TABLE */
+        const SpectrumRows *rows; /* of SPECTRUM_ROWS */
+    };
 } Spectrum;
 
 /* spectrum_at for all kinds but SPECTRUM_CONSTANT. */
@@ -59,6 +75,13 @@ Spectrum spectrum_blackbody(double kelvin, float *table);
  * as at them. Where rows lie closer than 2.5 nm to one of the kept wavelengths, it keeps the mean over the 5 nm
  * around it, so that narrow peaks count by their area. table: SPECTRUM_SAMPLES floats of the caller's. */
 Spectrum spectrum_from_rows(const double *rows, size_t n, float *table);
+/* Whether a table would not keep these rows as they are, but means of them. */
+bool spectrum_rows_are_fine(const double *rows, size_t n);
+/* The same without a table's steps. rows_kept: the caller's, with room for n + 2 in ->row. For lines of a thousandth of a nm and
+ * more, below which wavelengths in float are too coarse. */
+Spectrum spectrum_from_fine_rows(const double *rows, size_t n, SpectrumRows *rows_kept);
+/* A spectrum in rows as the table that it would be; others as they are. */
+Spectrum spectrum_smoothed(const Spectrum *spectrum);
 /* Any function of the wavelength, tabulated. */
 Spectrum spectrum_tabulate(double (*function)(void *context, double wavelength_nm), void *context, float *table);
 

@@ -49,6 +49,9 @@ static void hash_light(Builder *b, const Spectrum *light)
         float value = spectrum_at_one(light, SPECTRUM_MIN_NM + (float)(i * SPECTRUM_STEP_NM));
         b->environment_hash = hash_bytes(&value, sizeof value, b->environment_hash);
     }
+    if (light->kind != SPECTRUM_ROWS) return;
+    b->environment_hash = hash_bytes(&light->scale, sizeof light->scale, b->environment_hash);
+    b->environment_hash = hash_bytes(light->rows->row, light->rows->n * sizeof *light->rows->row, b->environment_hash);
 }
 
 /* false after a report. */

@@ -329,11 +329,15 @@ static bool emission_of_table(Builder *b, const EvalProp *prop, double factor, S
         EvalProp shape = *prop;
         unscaled.scale = 1;
         shape.as.spectrum.term = &unscaled;
-        if (!build_spectrum(b, &shape, brightest, out)) return false;
+        if (!build_light_spectrum(b, &shape, brightest, out)) return false;
         double luminance = spectrum_luminance(out);
         factor /= luminance > 0 ? luminance : 1;
     }
     if (!build_is_bearable(b, prop->span, factor * (double)spectrum_max(out))) return false;
+    if (out->kind == SPECTRUM_ROWS) {
+        out->scale = (float)factor;
+        return true;
+    }
     for (int i = 0; i < SPECTRUM_SAMPLES; i++) table[i] = (float)((double)out->table[i] * factor);
     out->table = table;
     return true;

@@ -237,6 +237,8 @@ void build_note_frame(Builder *b, uint32_t object);
 /* What a property's spectrum() says, its factor included; false after reporting. most: the largest value that can be
  * used, where the property's row has no smaller one. */
 bool build_spectrum(Builder *b, const EvalProp *prop, double most, Spectrum *out);
+/* The same of a light, whose lines stay as narrow as they are. */
+bool build_light_spectrum(Builder *b, const EvalProp *prop, double most, Spectrum *out);
 
 /* build_shape.c */
 void build_box(Builder *b, const EvalNode *node, const Affine *to_world);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/num.h"
+#include "optics/spectral_lines.h"
 #include "scene/build_parts.h"
 
 enum { LARGEST_FILE = 64 << 20 };
@@ -138,19 +139,46 @@ static bool check_rows(const Rows *rows)
     return false;
 }
 
-bool build_spectrum(Builder *b, const EvalProp *prop, double most, Spectrum *out)
+static bool read_spectrum(Builder *b, const EvalProp *prop, double most, Rows *rows)
 {
     const EvalTerm *term = prop->as.spectrum.term;
-    Rows rows = {.b = b, .prop = prop, .least = prop->type->min, .most = fmin(prop->type->max, most)};
+    *rows = (Rows){.b = b, .prop = prop, .least = prop->type->min, .most = fmin(prop->type->max, most)};
     if (term->text) {
-        if (!read_file(&rows, term)) return false;
+        if (!read_file(rows, term)) return false;
     } else {
-        rows.n = term->n_pairs;
-        rows.pairs = ARENA_ARRAY(b->arena, double, 2 * rows.n);
-        memcpy(rows.pairs, term->pairs, 2 * rows.n * sizeof *rows.pairs);
+        rows->n = term->n_pairs;
+        rows->pairs = ARENA_ARRAY(b->arena, double, 2 * rows->n);
+        memcpy(rows->pairs, term->pairs, 2 * rows->n * sizeof *rows->pairs);
     }
-    if (!check_rows(&rows)) return false;
-    for (size_t i = 0; i < rows.n; i++) rows.pairs[2 * i + 1] *= term->scale;
+    if (!check_rows(rows)) return false;
+    for (size_t i = 0; i < rows->n; i++) rows->pairs[2 * i + 1] *= term->scale;
+    return true;
+}
+
+bool build_spectrum(Builder *b, const EvalProp *prop, double most, Spectrum *out)
+{
+    Rows rows;
+    if (!read_spectrum(b, prop, most, &rows)) return false;
     *out = spectrum_from_rows(rows.pairs, rows.n, ARENA_ARRAY(b->arena, float, SPECTRUM_SAMPLES));
+    return true;
+}
+
+/* Lines are kept as they are, as paths are given their wavelengths. Of what shines in all colours means serve better, that any
+ * path finds. */
+bool build_light_spectrum(Builder *b, const EvalProp *prop, double most, Spectrum *out)
+{
+    Rows rows;
+    if (!read_spectrum(b, prop, most, &rows)) return false;
+    if (spectrum_rows_are_fine(rows.pairs, rows.n)) {
+        SpectrumRows *kept = ARENA_NEW(b->arena, SpectrumRows);
+        bool lines = false;
+        Error error;
+        kept->row = ARENA_ARRAY(b->arena, SpectrumRow, rows.n + 2);
+        *out = spectrum_from_fine_rows(rows.pairs, rows.n, kept);
+        if (!build_succeeded(b, spectrum_find_lines(out, &lines, &error), &error, prop->span)) return false;
+        if (!lines) *out = spectrum_smoothed(out);
+    } else {
+        *out = spectrum_from_rows(rows.pairs, rows.n, ARENA_ARRAY(b->arena, float, SPECTRUM_SAMPLES));
+    }
     return true;
 }

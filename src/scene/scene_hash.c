@@ -49,6 +49,9 @@ static void add_spectrum(Hasher *h, const Spectrum *spectrum)
 {
     for (int i = 0; i < SPECTRUM_SAMPLES; i++)
         add_number(h, (double)spectrum_at_one(spectrum, SPECTRUM_MIN_NM + (float)(i * SPECTRUM_STEP_NM)));
+    if (spectrum->kind != SPECTRUM_ROWS) return;
+    add_number(h, (double)spectrum->scale);
+    add_bytes(h, spectrum->rows->row, spectrum->rows->n * sizeof *spectrum->rows->row);
 }
 
 static void add_mesh(Hasher *h, const Mesh *mesh)

@@ -1,5 +1,5 @@
 /* refraction_test.c - where light goes at smooth boundaries, measured in pictures: Snell's window, apparent depth, the
- * critical angle of a prism and its rainbow, the fire of a diamond, and a lens half under water.
+ * critical angle of a prism, its rainbow and the lines of lamps in it, the fire of a diamond, and a lens half under water.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "truth.h"
 
@@ -331,6 +331,86 @@ static void rainbow(void **state)
     }
 }
 
+/* ---- lines of lamps ---- */
+
+/* What a camera of a narrow angle sees of a distant light of .002 degrees through the prism, upright, about the wavelength that
+ * goes through level: by columns, wavelengths and their luminances. */
+enum { SPECTRUM_COLUMNS = 64 };
+typedef struct LineColumns {
+    double nm[SPECTRUM_COLUMNS], light[SPECTRUM_COLUMNS];
+} LineColumns;
+
+static LineColumns columns_of(const char *color, double middle_nm)
+{
+    const double fov = 0.06 * degree, incidence = asin(flint(middle_nm) / 2), out = incidence - 30 * degree, d = 0.01;
+    char text[2000];
+    snprintf(text, sizeof text,
+             "meniscus 1.0 unit cm medium flint { ior = sellmeier(%.9g, %.9g, %.9g, %.10g, %.10g, %.9g) }\n"
+             "prism { interior = flint  from = -5  to = 5\n"
+             "  outline = [<-10 * sin(30), -10 * cos(30)>, <10 * sin(30), -10 * cos(30)>, <0, 0>] }\n"
+             "let middle = <0, 0, -5 * cos(30)>  let a = %.17g\n"
+             "light { shape = distant  from = middle + 10 * <cos(a), 0, -sin(a)>  to = middle  angle = .002deg  radiance = 100\n"
+             "  color = %s }\n"
+             "camera { from = middle + 30 * <-cos(a), 0, -sin(a)>  to = middle  fov = .06deg }\n",
+             flint_b[0], flint_b[1], flint_b[2], flint_c[0], flint_c[1], flint_c[2], out / degree, color);
+    Picture picture;
+    render_text(text, NULL, SPECTRUM_COLUMNS, 256, &picture);
+    /* as the way back: a column's ray leaves towards the light, and so its wavelength, which is linear in so small an angle */
+    double passed, slope = (through_prism(incidence, flint(middle_nm + d), &passed) -
+                            through_prism(incidence, flint(middle_nm - d), &passed)) / (2 * d);
+    LineColumns columns;
+    for (uint32_t x = 0; x < SPECTRUM_COLUMNS; x++) {
+        /* at least deviation an angle more at the first face is as much less at the second */
+        columns.nm[x] = middle_nm + (x + 0.5 - SPECTRUM_COLUMNS / 2.0) * (fov / SPECTRUM_COLUMNS) / slope;
+        columns.light[x] = 0;
+        for (uint32_t y = 0; y < SPECTRUM_COLUMNS; y++) columns.light[x] += truth_luminance(&picture, x, y);
+    }
+    truth_clear(&picture);
+    return columns;
+}
+
+/* Sum, mean and deviation of what lies between two wavelengths. */
+static void moments_between(const LineColumns *columns, double least_nm, double most_nm, double moments[3])
+{
+    double sum[3] = {0};
+    for (int x = 0; x < SPECTRUM_COLUMNS; x++)
+        for (int k = 0; k < 3 && columns->nm[x] > least_nm && columns->nm[x] < most_nm; k++)
+            sum[k] += columns->light[x] * pow(columns->nm[x] - least_nm, k);
+    assert_true(sum[0] > 0);
+    double mean = sum[1] / sum[0];
+    moments[0] = sum[0];
+    moments[1] = least_nm + mean;
+    moments[2] = sqrt(fmax(sum[2] / sum[0] - mean * mean, 0));
+}
+
+/* A line of .1 nm, on a wavelength that tables keep and between two, and the doublet of sodium. */
+static void lines_through_a_prism(void **state)
+{
+    (void)state;
+    static const double places[] = {585, 587.5};
+    double found[3], other[3];
+    for (size_t i = 0; i < COUNT_OF(places); i++) {
+        char color[100], what[100];
+        snprintf(color, sizeof color, "spectrum([<%.1f, 0>, <%.1f, 1>, <%.1f, 0>])", places[i] - 0.1, places[i], places[i] + 0.1);
+        LineColumns columns = columns_of(color, places[i]);
+        moments_between(&columns, places[i] - 2, places[i] + 2, found);
+        snprintf(what, sizeof what, "line at %g nm: where, in nm", places[i]);
+        truth_figure(what, places[i], found[1], 0);
+        truth_figure("  its deviation, with that of light and pixels", 0.056, found[2], 0);
+        assert_near(found[1], places[i], 0.01);
+        assert_true(found[2] < 0.1);
+    }
+    LineColumns columns =
+        columns_of("spectrum([<588.9, 0>, <589, 1>, <589.1, 0>, <589.5, 0>, <589.6, .5>, <589.7, 0>])", 589.3);
+    moments_between(&columns, 587.3, 589.3, found);
+    moments_between(&columns, 589.3, 591.3, other);
+    truth_figure("doublet of sodium: apart, in nm", 0.6, other[1] - found[1], 0);
+    truth_figure("  the second over the first", 0.5, other[0] / found[0], 0);
+    assert_near(other[1] - found[1], 0.6, 0.02);
+    assert_near(other[0] / found[0], 0.5, 0.03);
+    assert_true(found[2] < 0.1 && other[2] < 0.1);
+}
+
 /* ---- the fire of a diamond ---- */
 
 /* How far from grey a picture's places are, as a share of their brightness: of two pictures with noise of their own, which
@@ -387,6 +467,7 @@ int main(void)
         cmocka_unit_test(prism),
         cmocka_unit_test(half_submerged_lens),
         cmocka_unit_test(rainbow),
+        cmocka_unit_test(lines_through_a_prism),
         cmocka_unit_test(fire),
     };
     return cmocka_run_group_tests_name("refraction", tests, NULL, NULL);

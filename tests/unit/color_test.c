@@ -197,21 +197,29 @@ static double worst_of(const double deviation[3], const double mean[3])
     return fmax(fmax(deviation[0], deviation[1]), deviation[2]) / size;
 }
 
+static bool is_lines(const Spectrum *light)
+{
+    Error error;
+    bool lines;
+    assert_int_equal(spectrum_find_lines(light, &lines, &error), STATUS_OK);
+    return lines;
+}
+
 static void lines_are_told_apart(void **unused)
 {
     (void)unused;
     float sodium[SPECTRUM_SAMPLES], lasers[SPECTRUM_SAMPLES], glow[SPECTRUM_SAMPLES];
     Spectrum lines[] = {spectrum_from_rows(sodium_rows, COUNT_OF(sodium_rows) / 2, sodium),
                         spectrum_from_rows(laser_rows, COUNT_OF(laser_rows) / 2, lasers)};
-    for (size_t i = 0; i < COUNT_OF(lines); i++) assert_true(spectrum_is_lines(&lines[i]));
+    for (size_t i = 0; i < COUNT_OF(lines); i++) assert_true(is_lines(&lines[i]));
     static const double colors[][3] = {{1, 1, 1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, .2, .05}, {0, 0, 0}};
     for (size_t i = 0; i < COUNT_OF(colors); i++) {
         Spectrum light = spectrum_from_light(colors[i]);
-        assert_false(spectrum_is_lines(&light));
+        assert_false(is_lines(&light));
     }
     Spectrum candle = spectrum_blackbody(1800, glow), flat = spectrum_constant(1);
-    assert_false(spectrum_is_lines(&candle));
-    assert_false(spectrum_is_lines(&flat));
+    assert_false(is_lines(&candle));
+    assert_false(is_lines(&flat));
     const LightOfScene none[] = {{&candle, 1}, {&flat, 2}, {NULL, 3}, {&lines[0], 0.05}, {&lines[1], 0}};
     WavelengthLines *found;
     Error error;
@@ -258,6 +266,93 @@ static void lines_are_found(void **unused)
         }
         wavelength_lines_free(lines);
     }
+}
+
+/* Mean and deviation of the wavelengths that a light is found at, weighed by what it brings there, and the sum of that. */
+typedef struct Found {
+    double sum, mean, deviation, least, most;
+} Found;
+
+static Found found_of(const WavelengthLines *lines, const Spectrum *light)
+{
+    enum { STEPS = 1 << 20 };
+    Found f = {.least = HUGE_VAL};
+    for (int i = 0; i < STEPS; i++) {
+        WavelengthSample wavelengths = wavelength_lines_sample(lines, ((float)i + 0.5f) / STEPS);
+        float nm = lanes_get(wavelengths.nm, 0);
+        double power = (double)spectrum_at_one(light, nm) / (double)lanes_get(wavelengths.pdf, 0) / STEPS;
+        f.sum += power;
+        f.mean += power * (double)nm;
+        f.deviation += power * ((double)nm - 589) * ((double)nm - 589);
+        if (power > 0) f.least = fmin(f.least, (double)nm), f.most = fmax(f.most, (double)nm);
+    }
+    f.mean /= f.sum;
+    f.deviation = sqrt(fmax(f.deviation / f.sum - (f.mean - 589) * (f.mean - 589), 0));
+    return f;
+}
+
+/* Lines in rows are where they are, and as narrow: a hat of half width h has a deviation of h / sqrt(6). Beside white light and
+ * where they bring next to nothing as well, and none of their power is lost. */
+static void lines_in_rows_are_exact(void **unused)
+{
+    (void)unused;
+    static const double places[] = {585, 587.5, 532.3, 700.01}, widths[] = {2, .1, .01};
+    const Spectrum white = spectrum_from_light((const double[3]){1, 1, 1});
+    static SpectrumRows kept;
+    SpectrumRow room[5];
+    kept.row = room;
+    for (size_t i = 0; i < COUNT_OF(places) * COUNT_OF(widths); i++) {
+        double at = places[i / COUNT_OF(widths)], half = widths[i % COUNT_OF(widths)];
+        const double rows[] = {at - half, 0, at, 1, at + half, 0};
+        assert_true(spectrum_rows_are_fine(rows, 3));
+        Spectrum line = spectrum_from_fine_rows(rows, 3, &kept);
+        assert_true(is_lines(&line));
+        assert_float_equal(spectrum_at_one(&line, (float)at), 1, 0.01f);
+        assert_float_equal(spectrum_at_one(&line, (float)(at + 1.5 * half)), 0, 0);
+        float xyz[3];
+        color_matching((float)at, xyz);
+        if (half < 1) assert_near(spectrum_luminance(&line) * 106.857 / (half * (double)xyz[1]), 1, 1e-3);
+        line.scale = (float)(1 / half); /* a power of 1 */
+        for (int others = 0; others < 3; others++) {
+            const LightOfScene lights[] = {{&line, others == 2 ? 1e-4 : 1}, {&white, others ? 1 : 0}};
+            WavelengthLines *lines;
+            Error error;
+            assert_int_equal(wavelength_lines_new(lights, 2, &lines, &error), STATUS_OK);
+            Found f = found_of(lines, &line);
+            assert_near(f.sum, 1, others == 2 ? 0.02 : 0.005);
+            assert_near(f.mean, at, 0.01 * half + 1e-4);
+            assert_near(f.deviation * sqrt(6) / half, 1, 0.03);
+            assert_true(f.least >= at - half - 1e-4 && f.most <= at + half + 1e-4);
+            assert_near(moments_by(lines, &white, false).mean[1], 1, 2e-4);
+            wavelength_lines_free(lines);
+        }
+    }
+}
+
+/* The two lines of sodium are apart, the second half as strong; and means, as tables keep them, have the same power. */
+static void rows_keep_what_tables_mean(void **unused)
+{
+    (void)unused;
+    static SpectrumRows kept;
+    SpectrumRow room[8];
+    kept.row = room;
+    Spectrum sodium = spectrum_from_fine_rows(sodium_rows, COUNT_OF(sodium_rows) / 2, &kept);
+    Spectrum table = spectrum_smoothed(&sodium);
+    assert_int_equal(table.kind, SPECTRUM_TABLE);
+    assert_near(spectrum_luminance(&sodium) / spectrum_luminance(&table), 1, 0.02);
+    assert_float_equal(spectrum_at_one(&sodium, 589.0f), 1, 1e-3f);
+    assert_float_equal(spectrum_at_one(&sodium, 589.3f), 0, 0);
+    assert_float_equal(spectrum_at_one(&sodium, 589.6f), 0.5f, 1e-3f);
+    assert_float_equal(spectrum_max(&sodium), 1, 0);
+    assert_false(spectrum_is_zero(&sodium) || spectrum_is_constant(&sodium) || spectrum_same(&sodium, &table));
+    assert_true(spectrum_same(&sodium, &sodium));
+    /* a step between two floats stays one, and values go on beyond the ends */
+    const double step[] = {500, 3, 600, 3, 600.000001, 1, 700, 2};
+    Spectrum stepped = spectrum_from_fine_rows(step, 4, &kept);
+    assert_float_equal(spectrum_at_one(&stepped, 380), 3, 0);
+    assert_float_equal(spectrum_at_one(&stepped, 599.9f), 3, 1e-6f);
+    assert_float_equal(spectrum_at_one(&stepped, 600.1f), 1.001f, 1e-5f);
+    assert_float_equal(spectrum_at_one(&stepped, 830), 2, 0);
 }
 
 static void luminance_weighs(void **unused)
@@ -313,6 +408,8 @@ int main(void)
         cmocka_unit_test(sampling_is_unbiased),
         cmocka_unit_test(lines_are_told_apart),
         cmocka_unit_test(lines_are_found),
+        cmocka_unit_test(lines_in_rows_are_exact),
+        cmocka_unit_test(rows_keep_what_tables_mean),
         cmocka_unit_test(luminance_weighs),
         cmocka_unit_test(spectral_locus),
     };
