@@ -501,7 +501,7 @@ static void environments_are_colours_or_images(void **state)
     fixture_clear(&f);
     image_width = 4;
     remove(path);
-    const char *const refused[] = {"scale(2)", "scale(<-1, 1, 1>)", "color = 1 image = \"x.exr\"",
+    const char *const refused[] = {"scale(2)", "scale(<-1, 1, 1>)", "sky = clear image = \"x.exr\"",
                                    "image = \"there-is-none.exr\""};
     const DiagCode codes[] = {D_SINGULAR_TRANSFORM, D_SINGULAR_TRANSFORM, D_CONFLICTING_PROPERTIES, D_FILE_NOT_FOUND};
     for (size_t i = 0; i < COUNT_OF(refused); i++) {
@@ -538,7 +538,7 @@ static void environments_are_functions(void **state)
         const char *text;
         DiagCode code;
     } refused[] = {{"function = low", D_VALUE_OUT_OF_RANGE},          {"function = nothing", D_VALUE_OUT_OF_RANGE},
-                   {"function = good  color = 1", D_CONFLICTING_PROPERTIES}, {"function = good  sky = clear", D_CONFLICTING_PROPERTIES},
+                   {"sky = clear  color = 1", D_CONFLICTING_PROPERTIES}, {"function = good  sky = clear", D_CONFLICTING_PROPERTIES},
                    {"resolution = 64", D_CONFLICTING_PROPERTIES},     {"color = good", D_WRONG_TYPE},
                    {"function = good  resolution = 8", D_VALUE_OUT_OF_RANGE}, {"function = good  strength = 1e35", D_VALUE_OUT_OF_RANGE}};
     for (size_t i = 0; i < COUNT_OF(refused); i++) {
@@ -673,6 +673,9 @@ static void the_hash_is_of_the_meaning(void **state)
     assert_true(hash_of("medium g { ior = 1.5 state = solid } sphere { interior = glass } sphere { interior = g center "
                         "= <1, 0, 0> }") !=
                 hash_of("sphere { interior = glass } sphere { interior = glass center = <1, 0, 0> }"));
+    /* lines between the wavelengths that tables keep */
+    assert_true(hash_of("light { shape = distant to = <1, 0, 0> color = spectrum([<583, 0>, <583.1, 1>, <583.2, 0>]) }") !=
+                hash_of("light { shape = distant to = <1, 0, 0> color = spectrum([<583, 0>, <583.15, 1>, <583.2, 0>]) }"));
 }
 
 /* What has no effect, or does not go together, is refused; so is each number outside of its range. */
