@@ -17,7 +17,27 @@ static void add_list(Buf *key, const EvalProp *prop, unsigned width)
     buf_add_bytes(key, (const char *)prop->as.list.numbers, prop->as.list.n * width * sizeof(double));
 }
 
-static void add_value(Buf *key, const EvalProp *prop)
+/* A function by what it computes: the same text in another turn of a loop is another value, with the scene as it is then. */
+static void add_function(Builder *b, Buf *key, const EvalFunctionValue *function)
+{
+    const Program *program = build_field(b, function).program;
+    if (!program) { /* instances with properties of their own have their prototype's */
+        buf_add_bytes(key, (const char *)&function, sizeof function);
+        return;
+    }
+    const uint32_t sizes[] = {program->n_constants, program->n_steps, program->n_outputs};
+    buf_add_bytes(key, (const char *)sizes, sizeof sizes);
+    buf_add_bytes(key, (const char *)program->outputs, sizeof program->outputs);
+    buf_add_bytes(key, (const char *)program->constants, program->n_constants * sizeof *program->constants);
+    for (uint32_t i = 0; i < program->n_steps; i++) {
+        const ProgramStep *step = &program->steps[i];
+        const uint16_t registers[] = {step->op, step->to, step->a, step->b, step->c};
+        buf_add_bytes(key, (const char *)registers, sizeof registers);
+        buf_add_bytes(key, (const char *)&step->unary, sizeof step->unary);
+    }
+}
+
+static void add_value(Builder *b, Buf *key, const EvalProp *prop)
 {
     switch (prop->type->kind) {
     case PROP_NUMBER:
@@ -32,15 +52,13 @@ static void add_value(Buf *key, const EvalProp *prop)
     case PROP_VECTORS2:
     case PROP_VECTOR2_LISTS: add_list(key, prop, 2); break;
     case PROP_VECTORS3: add_list(key, prop, 3); break;
-    case PROP_FUNCTION: /* instances with properties of their own have their prototype's */
-        buf_add_bytes(key, (const char *)&prop->as.function, sizeof prop->as.function);
-        break;
+    case PROP_FUNCTION: add_function(b, key, prop->as.function); break;
     default: /* another kind is one of a kind */ buf_add_bytes(key, (const char *)&prop, sizeof prop);
     }
 }
 
 /* Everything that makes the shape: the same bytes, the same shape. */
-static void make_key(Buf *key, const EvalNode *node, const void *more, size_t n_more)
+static void make_key(Builder *b, Buf *key, const EvalNode *node, const void *more, size_t n_more)
 {
     buf_add_bytes(key, node->type->name, strlen(node->type->name) + 1);
     buf_add_bytes(key, (const char *)&n_more, sizeof n_more);
@@ -48,10 +66,11 @@ static void make_key(Buf *key, const EvalNode *node, const void *more, size_t n_
     for (size_t i = 0; i < node->n_props; i++) {
         const EvalProp *prop = &node->props[i];
         if (!(prop->type->flags & PROP_SHAPE)) continue;
-        size_t n = prop->type->kind >= PROP_NUMBERS ? prop->as.list.n : 0;
+        bool is_list = prop->type->kind >= PROP_NUMBERS && prop->type->kind != PROP_FUNCTION;
+        size_t n = is_list ? prop->as.list.n : 0;
         buf_add_bytes(key, prop->type->name, strlen(prop->type->name) + 1);
         buf_add_bytes(key, (const char *)&n, sizeof n);
-        add_value(key, prop);
+        add_value(b, key, prop);
     }
 }
 
@@ -60,7 +79,7 @@ void build_made(Builder *b, const EvalNode *node, const Affine *to_world, BuildM
 {
     Buf key = {0};
     bool found;
-    make_key(&key, node, more, n_more);
+    make_key(b, &key, node, more, n_more);
     uint32_t shape = build_shape_of(b, buf_text(&key), key.length, &found);
     buf_clear(&key);
     if (!found) {

@@ -506,6 +506,14 @@ static void isosurfaces(void **state)
     assert_int_equal(f.scene->n_objects, 4);
     assert_int_equal(f.scene->n_shapes, 2);
     fixture_clear(&f);
+    /* and for those of a loop, where the function computes the same in all its turns; another for each radius */
+    fixture_good(&f, M "def f(p) = length(p) - .8 + .1 * noise(9 * p)\n"
+                       "for (i in 0..5) { isosurface { interior = ice  function = f  translate(<3 * i, 0, 0>) } }\n"
+                       "for (i in 0..5) { def g(p) = length(p) - .8 - .01 * floor(i / 2)\n"
+                       "  isosurface { interior = ice  function = g  translate(<3 * i, 9, 0>) } }" V);
+    assert_int_equal(f.scene->n_objects, 12);
+    assert_int_equal(f.scene->n_shapes, 4);
+    fixture_clear(&f);
     REFUSED("isosurface { interior = ice }", D_MISSING_PROPERTY);
     REFUSED("isosurface { interior = ice function = 3 }", D_WRONG_TYPE);
     REFUSED("isosurface { interior = ice function = sin }", D_UNKNOWN_NAME);
