@@ -1,5 +1,6 @@
 /* spectral_lines.c - wavelengths for scenes that shine in few of them. The lines' density is constant within each of some pieces,
- * of which each is within one cell of the table behind wavelengths_sample, and between two rows of all lights in rows, so that the density of both together is known wherever a wavelength is from.
+ * of which each is within one cell of the table behind wavelengths_sample, and between two rows of all lights in rows, so that
+ * the density of both together is known wherever a wavelength is from.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "optics/spectral_lines.h"
 

@@ -21,9 +21,9 @@ typedef struct LightOfScene {
     double power;             /* what it brings to the scene, in any unit */
 } LightOfScene;
 
-/* For a scene of n lights. Three lanes are for its lines, which count alike there, whatever their power; or one, as colours of white
- * light get noisier by that, where other lights bring more than a hundredth. Where lines bring less than that, a lane of eight
- * paths if some are in rows, as these would be found by chance only; else none.
+/* For a scene of n lights. Three lanes are for its lines, which count alike there, whatever their power; or one, as colours of
+ * white light get noisier by that, where other lights bring more than a hundredth. Where lines bring less than that, one lane in
+ * 32 if some are in rows, which hardly anything else would find; else none.
  * *lines: NULL if none. STATUS_NOMEM. */
 ATTR_NODISCARD Status wavelength_lines_new(const LightOfScene *lights, size_t n, WavelengthLines **lines, Error *error);
 void wavelength_lines_free(WavelengthLines *lines); /* NULL is fine */

@@ -86,6 +86,7 @@ for topic in polarizer polarisation; do
     exits 0
     says out 'There is no filter that polarizes'
 done
+refuses "use \"std/media.mns\" as media" help milk
 run help thin_film
 exits 0
 says out 'film = 400nm'

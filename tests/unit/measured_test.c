@@ -81,7 +81,7 @@ static void lights_are_as_bright_as_white(void **state)
 /* The text of a file; where and what is wrong with it, NULL for nothing. */
 static void file_is(const char *text, size_t length, DiagCode code, const char *place)
 {
-    char path[] = "/tmp/meniscus-spectrum-XXXXXX", scene[400];
+    char path[] = "/tmp/meniscus-spectrum-XXXXXX", scene[800];
     int descriptor = mkstemp(path);
     assert_true(descriptor >= 0);
     assert_int_equal(write(descriptor, text, length), (ssize_t)length);
