@@ -6,17 +6,17 @@
 #include "base/buf.h"
 #include "scene/compile.h"
 
-/* Adds warnings that only geometry shows (air gaps, hidden objects, lost lights) to diag. */
-void report_warnings(const CompiledScene *compiled, Diag *diag);
-/* Of these, a warning of each light without size that shines through smooth glass: there no path finds it. */
-void report_lost_lights(const CompiledScene *compiled, Diag *diag);
 /* Opaque places that a camera sees straight on, through whatever is clear, along n_lines lines that are even over its picture. */
 typedef struct ReportView {
     Vec3 *places;
     uint32_t n, n_lines;
 } ReportView;
-/* The same of lights that lose little there, but leave a part of the picture in the dark. */
-void report_unlit(const CompiledScene *compiled, const ReportView *view, Diag *diag);
+
+/* Adds warnings that only geometry shows (air gaps, hidden objects, lost lights) to diag. view: as below. */
+void report_warnings(const CompiledScene *compiled, const ReportView *view, Diag *diag);
+/* Of these, a warning of each light without size that shines through smooth glass: there no path finds it. view: NULL, or for
+ * those that lose little so, but leave a part of that picture in the dark, too. */
+void report_lost_lights(const CompiledScene *compiled, const ReportView *view, Diag *diag);
 /* And of each medium in which paths hardly ever end. */
 void report_endless(const CompiledScene *compiled, Diag *diag);
 /* And of each volume that covers next to nothing of an object whose medium varies by it. */

@@ -11,8 +11,6 @@ enum { DIRECTIONS = 256, BENDERS = 8, LINES_TO_PLACES = 60000 };
 /* What less is lost is not reported: of a light's flux, and of the picture. */
 static const double worth_a_word = 0.1, worth_a_word_in_picture = 0.01;
 
-static const char and_more[] = "and more lights without size shine through what bends their light";
-
 /* What becomes of a light's flux, or of its way to what is seen. */
 typedef struct Fate {
     double all, lost;
@@ -120,27 +118,12 @@ static void report_loss(const Scene *scene, const SceneLight *light, const Fate 
     finish_report(light, object, fate, report, diag);
 }
 
-void report_lost_lights(const CompiledScene *compiled, Diag *diag)
-{
-    const Scene *scene = compiled->scene;
-    uint32_t n = 0;
-    for (uint32_t i = 0; i < scene->n_lights && compiled->n_hulls; i++) {
-        const SceneLight *light = &scene->lights[i];
-        Fate fate = {0};
-        if (light->kind != LIGHT_POINT || n > REPORT_MOST) continue;
-        if (!follow(compiled, light, &fate)) return; /* no memory for a warning: what needs more will say so */
-        if (!(fate.lost > worth_a_word * fate.all) || ++n > REPORT_MOST) continue;
-        report_loss(scene, light, &fate, diag);
-    }
-    if (n > REPORT_MOST) diag_report_nowhere(diag, D_LOST_LIGHT, and_more);
-}
-
 /* Whether a line from the light ends at a place: what is opaque there, and nothing opaque before it. */
 static bool ends_at(const SightLine *line, double distance)
 {
     const double same = 1e-3; /* of the distance: place and line are told by float directions */
-    const SightStep *last = line->n ? &line->steps[line->n - 1] : NULL;
-    return last && last->kind == SIGHT_OPAQUE && fabs(last->distance - distance) < same * distance;
+    const SightStep *end = sight_line_end(line);
+    return end && fabs(end->distance - distance) < same * distance;
 }
 
 /* As follow(), of straight ways to places, each of which counts 1. */
@@ -163,26 +146,38 @@ static bool follow_to(const CompiledScene *compiled, const SceneLight *light, co
     return true;
 }
 
-void report_unlit(const CompiledScene *compiled, const ReportView *view, Diag *diag)
+/* Of one that loses little, but leaves a part of the picture in the dark. */
+static void report_dark(const Scene *scene, const SceneLight *light, const Fate *fate, double part, Diag *diag)
+{
+    const SceneObject *object = worst_bender(scene, fate);
+    Diagnostic *report =
+        diag_report(diag, D_LOST_LIGHT, light->span,
+                    "%s has no size, and what of its light meets the smooth surface of %s%s is bent and will not be "
+                    "found: %.0f %% of the picture is in the dark behind that",
+                    light->name, object->name, fate->n > 1 ? " and others" : "", 100 * part);
+    finish_report(light, object, fate, report, diag);
+}
+
+void report_lost_lights(const CompiledScene *compiled, const ReportView *view, Diag *diag)
 {
     const Scene *scene = compiled->scene;
-    uint32_t n = 0, n_points = 0;
+    uint32_t n = 0, n_points = 0, n_places = view ? view->n : 0;
     for (uint32_t i = 0; i < scene->n_lights; i++) n_points += scene->lights[i].kind == LIGHT_POINT;
-    uint32_t step = 1 + (uint32_t)((uint64_t)n_points * view->n / LINES_TO_PLACES);
+    uint32_t step = 1 + (uint32_t)((uint64_t)n_points * n_places / LINES_TO_PLACES);
     for (uint32_t i = 0; i < scene->n_lights && compiled->n_hulls; i++) {
         const SceneLight *light = &scene->lights[i];
-        Fate flux = {0}, fate = {0};
+        Fate flux = {0}, way = {0};
         if (light->kind != LIGHT_POINT || n > REPORT_MOST) continue;
-        if (!follow(compiled, light, &flux) || !follow_to(compiled, light, view, step, &fate)) return;
-        double part = fate.lost * step / view->n_lines;
-        if (flux.lost > worth_a_word * flux.all || !(part > worth_a_word_in_picture) || ++n > REPORT_MOST) continue;
-        const SceneObject *object = worst_bender(scene, &fate);
-        Diagnostic *report = diag_report(
-            diag, D_LOST_LIGHT, light->span,
-            "%s has no size, and what of its light meets the smooth surface of %s%s is bent and will not be "
-            "found: %.0f %% of the picture is in the dark behind that",
-            light->name, object->name, fate.n > 1 ? " and others" : "", 100 * part);
-        finish_report(light, object, &fate, report, diag);
+        if (!follow(compiled, light, &flux)) return; /* no memory for a warning: what needs more will say so */
+        bool loses = flux.lost > worth_a_word * flux.all;
+        if (!loses && n_places > 0 && !follow_to(compiled, light, view, step, &way)) return;
+        double part = n_places > 0 ? way.lost * step / view->n_lines : 0;
+        if ((!loses && !(part > worth_a_word_in_picture)) || ++n > REPORT_MOST) continue;
+        if (loses)
+            report_loss(scene, light, &flux, diag);
+        else
+            report_dark(scene, light, &way, part, diag);
     }
-    if (n > REPORT_MOST) diag_report_nowhere(diag, D_LOST_LIGHT, and_more);
+    if (n > REPORT_MOST)
+        diag_report_nowhere(diag, D_LOST_LIGHT, "and more lights without size shine through what bends their light");
 }

@@ -138,12 +138,12 @@ static void warn_of_hidden(const CompiledScene *compiled, Diag *diag)
     free(lower);
 }
 
-void report_warnings(const CompiledScene *compiled, Diag *diag)
+void report_warnings(const CompiledScene *compiled, const ReportView *view, Diag *diag)
 {
     warn_of_gaps(compiled, diag);
     report_vessels(compiled, diag);
     warn_of_hidden(compiled, diag);
-    report_lost_lights(compiled, diag);
+    report_lost_lights(compiled, view, diag);
     report_endless(compiled, diag);
     report_small_volumes(compiled, diag);
     report_nested_parts(compiled, diag);

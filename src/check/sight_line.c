@@ -129,6 +129,12 @@ void sight_line_clear(SightLine *line)
     *line = (SightLine){0};
 }
 
+const SightStep *sight_line_end(const SightLine *line)
+{
+    const SightStep *last = line->n ? &line->steps[line->n - 1] : NULL;
+    return last && last->kind == SIGHT_OPAQUE ? last : NULL;
+}
+
 /* The rule by which the hull on top is above an object's own; NULL when the report of pairs does not know of them. */
 static const char *rule_between(const CompiledScene *compiled, uint32_t top, uint32_t object)
 {

@@ -35,6 +35,8 @@ typedef struct SightLine {
 /* The line goes straight on through every boundary, up to the first opaque surface. STATUS_NOMEM. */
 ATTR_NODISCARD Status sight_line_find(const CompiledScene *compiled, const Ray *ray, SightLine *line, Error *error);
 void sight_line_clear(SightLine *line);
+/* The opaque surface that it ends at; NULL: none. */
+const SightStep *sight_line_end(const SightLine *line);
 /* For people, and for programs (an array). */
 void sight_line_print(const CompiledScene *compiled, const SightLine *line, Buf *out);
 void sight_line_print_json(const CompiledScene *compiled, const SightLine *line, JsonWriter *json);

@@ -32,8 +32,9 @@ typedef struct Check {
 static void warn(void *context)
 {
     Check *check = context;
-    report_warnings(check->input.compiled, &check->input.diag);
-    viewpoint_report_unlit(&check->input, check->camera, check->width, check->height);
+    Vec3 places[VIEWPOINT_PLACES];
+    ReportView view = viewpoint_look(&check->input, check->camera, check->width, check->height, places);
+    report_warnings(check->input.compiled, &view, &check->input.diag);
     check->status = report_mesh_crossings(check->input.compiled, check->pool, &check->input.diag, check->error);
     if (!check->input.talk->quiet) report_remarks(check->input.compiled, &check->input.diag);
 }

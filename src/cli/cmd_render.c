@@ -212,8 +212,10 @@ static Status render_and_write(RenderRun *run, Error *error)
 static void warn_of_losses(void *context)
 {
     RenderRun *run = context;
-    report_lost_lights(run->input.compiled, &run->input.diag);
-    viewpoint_report_unlit(&run->input, run->settings.camera, run->settings.width, run->settings.height);
+    Vec3 places[VIEWPOINT_PLACES];
+    ReportView view =
+        viewpoint_look(&run->input, run->settings.camera, run->settings.width, run->settings.height, places);
+    report_lost_lights(run->input.compiled, &view, &run->input.diag);
     report_endless(run->input.compiled, &run->input.diag);
     report_small_volumes(run->input.compiled, &run->input.diag);
     report_nested_parts(run->input.compiled, &run->input.diag);

@@ -3,12 +3,12 @@
 #include <math.h>
 #include <string.h>
 
-#include "check/report.h"
 #include "check/sight_line.h"
 #include "cli/viewpoint.h"
 #include "trace/path.h"
 
 enum { LARGEST_SIDE = 65536, LOOKS_ALONG_A_SIDE = 24 };
+_Static_assert(LOOKS_ALONG_A_SIDE * LOOKS_ALONG_A_SIDE == VIEWPOINT_PLACES, "a square of places");
 
 Status viewpoint_size(const SceneInput *input, uint32_t *width, uint32_t *height, Error *error)
 {
@@ -82,30 +82,30 @@ static bool look_through(const CompiledScene *compiled, const SceneCamera *camer
     view->n_lines++;
     if (!camera_ray(camera, point, middle, &ray, &footprint)) return true;
     bool found = sight_line_find(compiled, &ray, &line, NULL) == STATUS_OK;
-    const SightStep *last = found && line.n ? &line.steps[line.n - 1] : NULL;
-    if (last && last->kind == SIGHT_OPAQUE)
-        view->places[view->n++] = vec3_along(ray.origin, last->distance, vec3_from_f(ray.direction));
+    const SightStep *end = found ? sight_line_end(&line) : NULL;
+    if (end) view->places[view->n++] = vec3_along(ray.origin, end->distance, vec3_from_f(ray.direction));
     sight_line_clear(&line);
     return found;
 }
 
-void viewpoint_report_unlit(SceneInput *input, uint32_t camera, uint32_t width, uint32_t height)
+ReportView viewpoint_look(const SceneInput *input, uint32_t camera, uint32_t width, uint32_t height,
+                          Vec3 places[VIEWPOINT_PLACES])
 {
     const CompiledScene *compiled = input->compiled;
     SceneCamera from = input->scene->cameras[camera];
-    Vec3 places[LOOKS_ALONG_A_SIDE * LOOKS_ALONG_A_SIDE];
     ReportView view = {.places = places};
     NestList list;
-    if (!has_points(input->scene)) return;
+    if (!has_points(input->scene)) return view;
     nest_list_init(&list);
     bool found = compiled_stand(compiled, &from, &list, NULL, NULL) == STATUS_OK;
     nest_list_clear(&list);
-    while (found && view.n_lines < COUNT_OF(places)) {
+    while (found && view.n_lines < VIEWPOINT_PLACES) {
         double across = view.n_lines % LOOKS_ALONG_A_SIDE + 0.5, down = view.n_lines / LOOKS_ALONG_A_SIDE + 0.5;
         FilmPoint point = {across * width / LOOKS_ALONG_A_SIDE, down * height / LOOKS_ALONG_A_SIDE, width, height};
         found = look_through(compiled, &from, point, &view);
     }
-    if (found) report_unlit(compiled, &view, &input->diag);
+    if (!found) view.n = 0;
+    return view;
 }
 
 void viewpoint_add_options(const SceneInput *input, uint32_t width, uint32_t height, Buf *out)

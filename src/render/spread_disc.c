@@ -409,17 +409,17 @@ static int find_radius(const Maps *maps, Lone *lone, Way *way)
     Around sums = {0};
     int radius = -1, most = spread_by_cells(&lone->box) ? SPREAD_NEAR : SPREAD_FARTHEST;
     double alone = 0, own = spread_own_weight(maps, lone);
-    for (int next = 1; next <= most; next = spread_next_radius(next)) {
+    bool ends = false;
+    for (int next = 1; next <= most && !ends; next = spread_next_radius(next)) {
         look_farther(maps, lone, radius, next, &sums);
         radius = next;
         if (spread_is_in_clump(lone, &sums, radius, &way->clump)) return stay_in_clump(maps, lone, way);
-        if (!spread_ends(lone, &sums, radius, own, way, &alone)) continue;
-        return spread_is_uneven(maps, lone, &sums, radius, &way->clump) ? stay_in_clump(maps, lone, way) : radius;
+        ends = spread_ends(lone, &sums, radius, own, way, &alone);
     }
-    way->far = most < SPREAD_FARTHEST;
+    way->far = !ends && most < SPREAD_FARTHEST;
     if (way->far) return radius;
-    return spread_is_uneven(maps, lone, &sums, radius, &way->clump) ? stay_in_clump(maps, lone, way)
-                                                                    : spread_farthest(lone, &sums, radius, alone, way);
+    if (spread_is_uneven(maps, lone, &sums, radius, &way->clump)) return stay_in_clump(maps, lone, way);
+    return ends ? radius : spread_farthest(lone, &sums, radius, alone, way);
 }
 
 /* By how much what pixels have of comparable samples differs beyond chance: the variance of the rates behind these counts, over

@@ -32,7 +32,7 @@ static void bench_bubbles(const char *name, const char *bubble)
         double ray_ns = spread_of(ns, TURNS).median;
         double start = clock_cpu_s();
         Buf out = {0};
-        report_warnings(made.compiled, &made.diag);
+        report_warnings(made.compiled, NULL, &made.diag);
         report_remarks(made.compiled, &made.diag);
         report_print(made.compiled, &made.sources, &out);
         double check_s = clock_cpu_s() - start;

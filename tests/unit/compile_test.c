@@ -414,7 +414,7 @@ static void hidden_objects_are_reported(void **state)
     Fixture f;
     COMPILE(&f, "box { interior = glass size = <9, 9, 9> priority = 1 } sphere lost { interior = gas }"
                 "sphere half { interior = gas center = <4.5, 0, 0> }");
-    report_warnings(f.compiled, &f.diag);
+    report_warnings(f.compiled, NULL, &f.diag);
     const Diagnostic *hidden = fixture_find(&f, D_HIDDEN_OBJECT);
     assert_non_null(hidden);
     assert_non_null(strstr(hidden->text, "lost"));
@@ -424,7 +424,7 @@ static void hidden_objects_are_reported(void **state)
     COMPILE(&f, "box a { interior = glass from = <0, 0, 0> to = <5, 9, 9> priority = 1 } box b { interior = ice from = "
                 "<4, 0, 0> to = <9, 9, 9> priority = 1 }"
                 "box c { interior = water from = <1, 1, 1> to = <8, 8, 8> }");
-    report_warnings(f.compiled, &f.diag);
+    report_warnings(f.compiled, NULL, &f.diag);
     assert_non_null(fixture_find(&f, D_HIDDEN_OBJECT));
     fixture_clear(&f);
 }

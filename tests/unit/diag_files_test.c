@@ -217,7 +217,7 @@ static void scene_task(void *context)
     if (run->status == STATUS_OK)
         run->status = compile_scene(scene, scene->render.nesting, NULL, &run->diag, &compiled, &run->error);
     if (run->status == STATUS_OK && run->diag.n_errors == 0) {
-        report_warnings(compiled, &run->diag);
+        report_warnings(compiled, NULL, &run->diag);
         run->status = report_mesh_crossings(compiled, NULL, &run->diag, &run->error);
         if (with_remarks) report_remarks(compiled, &run->diag);
     }
