@@ -6,9 +6,8 @@
 
 #include "optics/color.h"
 
-/* In multiples of the mean brightness around what is clear; with half or twice of that as the unit the error after equal
- * time differs by 3 % at most. What is brighter than `most` counts as no brighter, as something may be in between; what is hardly
- * brighter than all else is not worth looking for. */
+/* What is more than `most` times brighter than the mean around what is clear counts as no brighter, as something may be in
+ * between; what is hardly brighter than the backdrop is not worth looking for. */
 static const double most_brightness = 64, least_brightness = 1.25;
 
 /* A lamp: flat, with a normal; or round. */
@@ -110,10 +109,11 @@ static void set3(Lanes to[3], int lane, Vec3 from)
     lanes_set(&to[2], lane, (float)from.z);
 }
 
-static float brightness_of(double luminance, double mean)
+/* In multiples of the backdrop. */
+static float brightness_of(double luminance, const Beacons *beacons)
 {
-    double ratio = luminance / mean;
-    return ratio >= least_brightness ? (float)fmin(ratio, most_brightness) : 1;
+    double ratio = fmin(luminance / beacons->mean, most_brightness) / beacons->backdrop;
+    return ratio >= least_brightness ? (float)ratio : 1;
 }
 
 static void set_flat(FlatBeacons *four, int lane, const Lamp *lamp, float brightness)
@@ -140,16 +140,16 @@ static void set_round(RoundBeacons *four, int lane, const Lamp *lamp, float brig
     lanes_set(&four->brightness, lane, brightness);
 }
 
-static void set_lamps(const Finder *f, double mean, Beacons *beacons)
+static void set_lamps(const Finder *f, Beacons *beacons)
 {
     uint32_t n_flat = 0, n_round = 0;
     for (size_t i = 0; i < f->n_flat; i++) {
-        float brightness = brightness_of(f->flat[i].luminance, mean);
+        float brightness = brightness_of(f->flat[i].luminance, beacons);
         if (brightness > 1) set_flat(&beacons->flat[n_flat / LANES], (int)(n_flat % LANES), &f->flat[i], brightness);
         n_flat += brightness > 1;
     }
     for (size_t i = 0; i < f->n_round; i++) {
-        float brightness = brightness_of(f->round[i].luminance, mean);
+        float brightness = brightness_of(f->round[i].luminance, beacons);
         if (brightness > 1)
             set_round(&beacons->round[n_round / LANES], (int)(n_round % LANES), &f->round[i], brightness);
         n_round += brightness > 1;
@@ -174,7 +174,7 @@ static Vec3f from_octahedron(float u, float v)
     return vec3f_normalize(vec3f(x, y, z));
 }
 
-static void fill_map(const Scene *scene, double mean, Beacons *beacons)
+static void fill_map(const Scene *scene, Beacons *beacons)
 {
     enum { SIDE = 4 }; /* places looked at of each cell */
     for (int y = 0; y < BEACON_MAP; y++)
@@ -186,24 +186,24 @@ static void fill_map(const Scene *scene, double mean, Beacons *beacons)
                 Vec3 local = affine_vector(&scene->world_to_environment, vec3_from_f(from_octahedron(u, v)));
                 sum += (double)environment_luminance(scene->environment, vec3f_normalize(vec3f_from(local)));
             }
-            beacons->map[y][x] = brightness_of(sum / (SIDE * SIDE), mean);
+            beacons->map[y][x] = brightness_of(sum / (SIDE * SIDE), beacons);
             beacons->has_map = beacons->has_map || beacons->map[y][x] > 1;
         }
 }
 
-void beacons_find(const CompiledScene *compiled, Beacons *beacons)
+void beacons_find(const CompiledScene *compiled, double backdrop, Beacons *beacons)
 {
     const Scene *scene = compiled->scene;
     Finder f = {.middle = find_middle(compiled)};
-    *beacons = (Beacons){.any = false};
+    *beacons = (Beacons){.backdrop = backdrop};
     for (uint32_t i = 0; i < scene->n_lights; i++)
         if (!light_keys(scene, &scene->lights[i])) add_light(&f, &scene->lights[i]);
     bool uneven = scene->environment && environment_width(scene->environment) > 0;
     if (scene->environment) f.given += (double)environment_power(scene->environment);
-    double mean = f.given / (4 * acos(-1));
-    if (!(mean > 0)) return;
-    set_lamps(&f, mean, beacons);
-    if (uneven) fill_map(scene, mean, beacons);
+    beacons->mean = f.given / (4 * acos(-1));
+    if (!(beacons->mean > 0)) return;
+    set_lamps(&f, beacons);
+    if (uneven) fill_map(scene, beacons);
     beacons->any = beacons->n_flat || beacons->n_round || beacons->has_map;
 }
 

@@ -12,7 +12,7 @@
 #include "base/lanes.h"
 #include "scene/compile.h"
 
-/* Four lamps that are flat, or round; brightness 1: none. Those that are infinitely far are as round ones at distance 1
+/* Four lamps that are flat, or round; brightness in multiples of the backdrop, 1: none. Those that are infinitely far are as round ones at distance 1
  * from wherever a path is. */
 typedef struct FlatBeacons {
     Lanes ball[3], ball_radius;  /* around each: most lines miss it; radius 0: no lamp */
@@ -30,6 +30,8 @@ enum { BEACON_GROUPS = 4, BEACON_MAP = 32 };
  * ones. Left out, and found as often as boundaries reflect: others, lamps that move, objects whose surface shines. */
 typedef struct Beacons {
     bool any;
+    double mean,
+        backdrop; /* luminance around what is clear; and, as a part of that, where no lamp stands: see backdrop.h */
     uint32_t n_flat, n_round; /* groups */
     FlatBeacons flat[BEACON_GROUPS];
     RoundBeacons round[BEACON_GROUPS];
@@ -37,11 +39,11 @@ typedef struct Beacons {
     float map[BEACON_MAP][BEACON_MAP]; /* of an environment that is not even: brightness, by octahedral directions */
 } Beacons;
 
-/* Lights and environment of a scene that has been compiled. */
-void beacons_find(const CompiledScene *compiled, Beacons *beacons);
+/* Lights and environment of a scene that has been compiled. backdrop: > 0; 1 where it is not known. */
+void beacons_find(const CompiledScene *compiled, double backdrop, Beacons *beacons);
 
-/* How much brighter it is from a place in the direction along + up (unit), and along - up, than around the scene's clear
- * objects in the mean: at least 1. Whatever stands in between. */
+/* How much brighter it is from a place in the direction along + up (unit), and along - up, than where no lamp stands: at least
+ * 1. Whatever stands in between. */
 void beacons_look(const Beacons *beacons, Vec3f place, Vec3f along, Vec3f up, float brightness[2]);
 
 #endif

@@ -13,6 +13,7 @@
 #include <stdlib.h>
 
 #include "trace/airlight.h"
+#include "trace/backdrop.h"
 #include "trace/texture_view.h"
 
 /* Paths that carry less than this are left to Russian roulette. A picture is looked at by its relative error, and what
@@ -262,6 +263,7 @@ void path_follow(Path *path)
 bool path_follow_from_camera(Path *path)
 {
     bool met = follow(path, true);
+    if (UNLIKELY(path->tracer->backdrop)) backdrop_end(path->tracer->backdrop, path);
     if (UNLIKELY(path_shows_front(path))) path->tracer->seen = path->scatters_in_front;
     return met;
 }

@@ -94,6 +94,7 @@ typedef struct Tracer {
     PathCounters counters;
     PixelSampler pixel;
     struct GuideLedger *ledger; /* of what a guide does that is tried out; NULL: none. Not owned */
+    struct Backdrop *backdrop;  /* of what is seen past lamps, while that is found out; NULL: else. Not owned */
     struct Tracer *prober;      /* follows what guides send out, while the path waits; NULL: not yet needed */
     uint32_t
         seen; /* what the last path met first: the object, a combination's own row, or beyond these what scatters, also

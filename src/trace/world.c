@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "trace/backdrop.h"
 #include "trace/light_reach.h"
 
 /* What a distant light, or LIGHT_ENVIRONMENT, brings to the scene: by the circle around that. */
@@ -222,6 +223,17 @@ static Status find_lines(World *world, Error *error)
     return status;
 }
 
+/* What is brighter than its backdrop, which is seen by paths that take it to be as bright as the mean. */
+static Status find_beacons(World *world, Error *error)
+{
+    double backdrop = 1;
+    beacons_find(world->compiled, backdrop, &world->beacons);
+    if (!world->beacons.any) return STATUS_OK;
+    TRY(backdrop_find(world, &backdrop, error));
+    if (backdrop < 1) beacons_find(world->compiled, backdrop, &world->beacons);
+    return STATUS_OK;
+}
+
 Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, uint32_t max_bounces,
                   bool no_absorption, Pool *pool, Error *error)
 {
@@ -262,8 +274,8 @@ Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, 
         world->lens_crosses = lens_may_cross(world);
         if (status == STATUS_OK && world->lens_crosses && !world->moves)
             status = lens_new(compiled, &world->camera, &world->lens, error);
-        beacons_find(compiled, &world->beacons);
         reflected_color_init(&world->reflected);
+        if (status == STATUS_OK) status = find_beacons(world, error);
     }
     if (status != STATUS_OK) world_clear(world);
     return status;
