@@ -13,11 +13,11 @@
  * had clouds of violet and green. */
 enum { NEAR = 2, NEAR_ENOUGH = 20, FAR_ENOUGH = 256 };
 /* So many that lie together, where so many times fewer are as far as a larger disc reaches, are something small and bright, as the
- * spot of a lens or a line is; by chance one sample in a thousand would have as many so near. */
+ * glint of the sun, the spot of a lens or a line is; by chance one sample in a thousand would have as many so near. */
 static const struct {
     uint32_t together;
     float fewer;
-} clumps[CLUMP_SIZES] = {{10, 4}, {40, 2}, {120, 1.5f}};
+} clumps[CLUMP_SIZES] = {{2, 1000}, {3, 150}, {4, 32}, {6, 10}, {10, 4}, {40, 2}, {120, 1.5f}};
 /* Of those that go as far as there is something, where hardly any are alike: so many tell whether these lie together; and so many
  * are no chance: a haze of them is what is there, however dark it is without. */
 enum { A_FEW = 4, NO_CHANCE = 8 };
@@ -26,8 +26,9 @@ enum { BESIDE = 2 };
 /* What samples add to what is usual, spread, that is not seen; and what is a haze that is better than a dot. */
 #define UNSEEN 0.1
 #define FAINT 0.25
-/* And what is so bright that where it ends is seen sharply. */
+/* What is so bright that where it ends is seen sharply; and, of samples that lie apart in their clump, what is seen as a cloud. */
 #define GLARING 10.0
+#define CLOUDY 1.0
 /* Samples to a pixel that are so close that what is found around pixels is not by chance. */
 #define CLOSE 0.16f
 /* A haze of another colour is seen sooner than one of the same: how much sooner, for each unit of tint. */
@@ -332,6 +333,14 @@ static bool is_thin(Density here, Density there, float fewer)
     return here.by_share * fewer < there.by_share && here.by_pixel * fewer < there.by_pixel;
 }
 
+/* The largest small one that what is farther away shows to be a clump; -1: none. */
+static int known_clump(const Clump *clump, Density density)
+{
+    int i = CLUMP_SMALL - 1;
+    while (i >= 0 && !(clump->radius[i] > 0 && is_thin(density, clump->density[i], clumps[i].fewer))) i--;
+    return i;
+}
+
 bool spread_is_in_clump(const Lone *lone, const Around *sums, int radius, Clump *clump)
 {
     Density density = density_in(lone, sums, radius);
@@ -345,14 +354,16 @@ bool spread_is_in_clump(const Lone *lone, const Around *sums, int radius, Clump 
             clump->density[i] = density;
         }
     }
-    for (int i = 1; i < CLUMP_SIZES && clump->radius[i] > 0; i++)
+    for (int i = CLUMP_SMALL; i < CLUMP_SIZES && clump->radius[i] > 0; i++)
         clump->is_larger = clump->is_larger || is_thin(density, clump->density[i], clumps[i].fewer);
-    return is_thin(density, clump->density[0], clumps[0].fewer);
+    int known = known_clump(clump, density);
+    clump->known = (uint8_t)(known < 0 ? CLUMP_SMALL - 1 : known);
+    return known >= 0;
 }
 
 int spread_farthest(const Lone *lone, const Around *sums, int radius, double alone, Way *way)
 {
-    bool even = !is_thin(density_in(lone, sums, radius), way->clump.densest, clumps[0].fewer);
+    bool even = !is_thin(density_in(lone, sums, radius), way->clump.densest, clumps[CLUMP_SMALL - 1].fewer);
     /* those that lie together make a haze together, in which colours make up for each other */
     double haze = even ? alone : alone * sums->alike * lone->light / lone->seen;
     if (haze > FAINT && !(even && sums->alike >= NO_CHANCE)) return 0;
@@ -371,26 +382,26 @@ static bool is_aside(const Around *sums, int radius)
     return off * sums->alike > 9.2 * apart;
 }
 
-/* Whether a disc of as many alike would be so bright, beside what is usual there and in the picture, that its edge is seen. */
-static bool is_glaring(const Maps *maps, const Lone *lone, const Around *sums, double weights)
+/* How bright a disc of as many alike would be, beside what is usual there and in the picture. */
+static double brightness_of_disc(const Maps *maps, const Lone *lone, const Around *sums, double weights)
 {
     double haze = lone->light * spread_own_weight(maps, lone) * sums->alike / weights;
-    return haze > GLARING * fmax(lone->reference, maps->typical);
+    return haze / fmax(lone->reference, maps->typical);
 }
 
 bool spread_is_uneven(const Maps *maps, const Lone *lone, const Around *sums, int radius, const Clump *clump)
 {
-    return clump->radius[0] > 0 && (clump->is_larger || is_aside(sums, radius)) &&
-           is_glaring(maps, lone, sums, weights_within(sums, radius));
+    return clump->radius[CLUMP_SMALL - 1] > 0 && (clump->is_larger || is_aside(sums, radius)) &&
+           brightness_of_disc(maps, lone, sums, weights_within(sums, radius)) > GLARING;
 }
 
 /* Spreads a sample over its clump, which is no disc: where samples lie close, pixels get by what light is found around them. Where
- * they do not, a glaring disc is more of a blemish than dots are. The radius, or 0. */
+ * they do not, a bright cloud is more of a blemish than dots are. The radius, or 0. */
 static int stay_in_clump(const Maps *maps, Lone *lone, Way *way)
 {
     Around sums = {0};
-    int radius = way->clump.radius[0];
-    bool close = way->clump.density[0].by_pixel > CLOSE, apart = radius > NEAR;
+    int radius = way->clump.radius[way->clump.known];
+    bool close = way->clump.density[way->clump.known].by_pixel > CLOSE, apart = radius > NEAR;
     if (apart && close) {
         lone->by_found = way->by_found = true;
         lone->black = way->black = 0;
@@ -398,7 +409,7 @@ static int stay_in_clump(const Maps *maps, Lone *lone, Way *way)
     }
     look_farther(maps, lone, -1, radius, &sums);
     way->weights = weights_within(&sums, radius);
-    if (apart && !close && is_glaring(maps, lone, &sums, way->weights)) return 0;
+    if (apart && !close && brightness_of_disc(maps, lone, &sums, way->weights) > CLOUDY) return 0;
     (void)find_image(&sums, radius, way);
     return radius;
 }

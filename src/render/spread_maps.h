@@ -41,10 +41,11 @@ typedef struct Density {
 } Density;
 
 /* Where they lie closer together than farther away, as in the spot of a lens: found from disc to disc. */
-enum { CLUMP_SIZES = 3 };
+enum { CLUMP_SIZES = 7, CLUMP_SMALL = 5 /* the first ones: samples go no farther than these */ };
 typedef struct Clump {
     uint16_t radius[CLUMP_SIZES]; /* of the least disc that has so many; 0: none has, so far */
-    bool is_larger;               /* what is farther away has shown one of these, but the least, to be a clump */
+    uint8_t known;  /* the small one that what is farther away has shown to be a clump, else the last of them */
+    bool is_larger; /* and it has shown one that is not small to be one */
     Density density[CLUMP_SIZES], densest; /* of those, and the most of any that has a few */
 } Clump;
 

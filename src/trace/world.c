@@ -239,8 +239,6 @@ Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, 
 {
     *world = (World){
         .compiled = compiled, .scene = compiled->scene, .no_absorption = no_absorption, .max_bounces = max_bounces};
-    enum { MANY = 64 };
-    world->long_way = max_bounces / 2 > MANY ? max_bounces / 2 : MANY;
     nest_list_init(&world->camera_list);
     if (camera >= compiled->scene->n_cameras)
         return fail(error, STATUS_RENDER, "the scene has no camera number %u", camera + 1);

@@ -55,6 +55,7 @@ typedef struct Trial {
     bool fresnel_alone;         /* boundaries reflect as often as they do, wherever lights are */
     bool hero_alone;            /* goes on where boundaries bend wavelengths apart */
     bool pairs_from_camera;     /* second paths begin there, not where wavelengths part */
+    bool keeps_long_ways;       /* chance ends no path for its length alone */
     float roulette_below;       /* what paths carry that are left to chance */
 } Trial;
 
@@ -88,7 +89,6 @@ typedef struct World {
     bool has_paint;   /* boundaries that can be seen between media of one index */
     bool white_noise; /* pixels do not share out the work: for comparisons */
     uint32_t max_bounces;
-    uint32_t long_way; /* bounces after which even paths that carry much are left to chance: half of these, and many */
     Box3 *mesh_boxes; /* of each shape that is a mesh without coordinates, for texture_uv; NULL: they were not asked for */
     WavelengthLines *lines;   /* NULL: no light is one */
     ReflectedColor reflected; /* for the albedo that is seen first */

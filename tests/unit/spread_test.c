@@ -704,7 +704,7 @@ static void lamps_stay_where_they_are(void **state)
 }
 
 /* The spot of a lens, two pixels wide, that few of each pixel's samples find: it stays there, though each pixel has fewer than would
- * keep them. As many that are scattered go far. */
+ * keep them. As many that are scattered, and make no bright cloud, go far. */
 static void spots_stay_together(void **state)
 {
     (void)state;
@@ -719,7 +719,7 @@ static void spots_stay_together(void **state)
                 uint32_t x = at % LARGE, y = at / LARGE, u = x - LARGE / 2 + 20, v = y - LARGE / 2 + 20;
                 bool found = scattered ? u < 40 && v < 40 && u % 10 == 3 && v % 10 == 3 && i == 5
                                        : (u == 20 || u == 21) && (v == 20 || v == 21) && i % 12 == 5;
-                float light = found ? 900 : 0.1f;
+                float light = !found ? 0.1f : scattered ? 150 : 900;
                 add(&films, x, y, (float[]){light, light, light}, 1);
             }
         resolve_large(&films);
@@ -731,6 +731,34 @@ static void spots_stay_together(void **state)
             if (abs((int)x - LARGE / 2) <= 4 && abs((int)y - LARGE / 2) <= 4) beside += light;
         }
         assert_true(scattered ? beside < 0.1 * all : beside > 0.95 * all);
+        end(&films);
+    }
+}
+
+/* The sun's glint in glass, found by two or three of all samples in pixels next to each other, does not go over all of the glass;
+ * nor do those of several small ones become a bright cloud. */
+static void glints_stay_where_they_are(void **state)
+{
+    (void)state;
+    for (int kind = 0; kind < 3; kind++) {
+        Error error;
+        Films films;
+        assert_int_equal(film_init(&films.film, LARGE, LARGE, &error), STATUS_OK);
+        assert_int_equal(bright_film_init(&films.bright, false, LARGE, LARGE, &error), STATUS_OK);
+        for (uint32_t at = 0; at < LARGE * LARGE; at++)
+            for (uint32_t i = 0; i < 3 * SAMPLES_OF_LARGE; i++) {
+                int x = (int)(at % LARGE) - LARGE / 2, y = (int)(at / LARGE) - LARGE / 2;
+                bool found = kind < 2 ? y == x && x >= 0 && x <= 1 + kind
+                                      : abs(x) < 20 && abs(y) < 20 && (x + 20) % 10 == 3 && (y + 20) % 10 == 3;
+                float light = found && i == 5 ? 900 : 0.1f;
+                add(&films, at % LARGE, at / LARGE, (float[]){light, light, light}, 1);
+            }
+        resolve_large(&films);
+        for (uint32_t at = 0; at < LARGE * LARGE; at++) {
+            int x = (int)(at % LARGE) - LARGE / 2, y = (int)(at / LARGE) - LARGE / 2;
+            bool near = kind < 2 && x * x + y * y < 8 * 8;
+            if (!near) assert_true(gain_at(&films, at % LARGE, at / LARGE) == 0);
+        }
         end(&films);
     }
 }
@@ -981,6 +1009,7 @@ int main(void)
         cmocka_unit_test(what_comes_gets_the_colour_there),
         cmocka_unit_test(lamps_stay_where_they_are),
         cmocka_unit_test(spots_stay_together),
+        cmocka_unit_test(glints_stay_where_they_are),
         cmocka_unit_test(what_is_small_and_glaring_stays_small),
         cmocka_unit_test(what_all_is_lit_by_is_no_tint),
         cmocka_unit_test(much_goes_far),
