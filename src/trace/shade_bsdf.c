@@ -91,10 +91,12 @@ static bool cross_opaque(Path *path, const Event *event)
 }
 
 /* Whether it sends light on almost as a smooth surface does, whatever the direction: photons go on behind it, and so do
- * probes. */
+ * probes. What goes through a boundary is bent, and so scattered less than what is mirrored. Of a lamp in a frosted globe, of a
+ * roughness of 0.3, the squared error is a sixth for that with as many samples, and less than half after equal time; of a
+ * roughness of 0.4 a quarter, and two thirds. */
 static bool is_keen(const Bsdf *bsdf)
 {
-    const float keen_alpha = 0.0625f;
+    const float mirror_alpha = 0.0625f, boundary_alpha = 0.17f;
     if (bsdf->specular_only) return true;
     if (bsdf->fuzz.share > 0 || bsdf->coat_share > 0) return false;
     for (uint32_t i = 0; i < bsdf->n_lobes; i++) {
@@ -103,7 +105,8 @@ static bool is_keen(const Bsdf *bsdf)
                                    : lobe->kind == BSDF_BOUNDARY ? &lobe->as.boundary.facets
                                    : lobe->kind == BSDF_SHEET    ? &lobe->as.sheet.facets
                                                                  : NULL;
-        if (!facets || (!facets->smooth && float_max(facets->alpha_x, facets->alpha_y) > keen_alpha)) return false;
+        float most = lobe->kind == BSDF_BOUNDARY ? boundary_alpha : mirror_alpha;
+        if (!facets || (!facets->smooth && float_max(facets->alpha_x, facets->alpha_y) > most)) return false;
     }
     return true;
 }

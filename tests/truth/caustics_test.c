@@ -95,6 +95,13 @@ static const struct {
            "light { shape = \"sphere\"  from = <80, 50, 0>  radius = 9  radiance = 50 }\n"
            "camera { from = <-150, 100, 50>  to = <-22, 0, 0>  fov = .001deg }\n",
      1600, 1600},
+    {"a floor under a frosted globe with a lamp in it",
+     MEDIA "surface frost { roughness = .35 } ground { surface = surface { albedo = .5 } } environment { color = .05 }\n"
+           "sphere { interior = glass  surface = frost  radius = 40  center = <0, 60, 0> }\n"
+           "sphere { interior = air  surface = frost  radius = 37  center = <0, 60, 0> }\n"
+           "light { shape = \"sphere\"  from = <0, 60, 0>  radius = 4  radiance = 90 }\n"
+           "camera { from = <-150, 100, 50>  to = <-32, 0, 0>  fov = .001deg }\n",
+     500, 3000},
     {"a table with a coat, seen through a glass with a drink in it",
      MEDIA "ground { surface = surface { albedo = .6  ior = 1.5  roughness = .1 } } environment { color = .05 }\n"
            "cylinder { interior = glass  from = <0, .5, 0>  to = <0, 40, 0>  radius = 15 }\n"
