@@ -21,26 +21,22 @@ Phase phase_isotropic(void)
 
 Phase phase_hg(double g)
 {
-    return (Phase){1, {make_lobe(g, 0), {0, 0}}};
+    return (Phase){1, {make_lobe(g, 0), {0, 0}}, NULL};
 }
 
 Phase phase_draine(double g, double alpha)
 {
-    return (Phase){1, {make_lobe(g, alpha), {0, 0}}};
+    return (Phase){1, {make_lobe(g, alpha), {0, 0}}, NULL};
 }
 
 Phase phase_two_hg(double g1, double g2, double weight)
 {
-    return (Phase){weight, {make_lobe(g1, 0), make_lobe(g2, 0)}};
+    return (Phase){weight, {make_lobe(g1, 0), make_lobe(g2, 0)}, NULL};
 }
 
-Phase phase_droplets(double d)
+Phase phase_of_table(const PhaseTable *table)
 {
-    double g_hg = exp(-0.0990567 / (d - 1.67154));
-    double g_d = exp(-2.20679 / (d + 3.91029) - 0.428934);
-    double alpha = exp(3.62489 - 8.29288 / (d + 5.52825));
-    double weight_d = exp(-0.599085 / (d - 0.641583) - 0.665888);
-    return (Phase){1 - weight_d, {make_lobe(g_hg, 0), make_lobe(g_d, alpha)}};
+    return (Phase){1, {{0, 0}, {0, 0}}, table};
 }
 
 static double lobe_scale(PhaseLobe lobe)
@@ -55,11 +51,26 @@ static double lobe_evaluate(PhaseLobe lobe, double cosine)
     return lobe_scale(lobe) * (1 + lobe.alpha * cosine * cosine) / (s2 * sqrt(s2));
 }
 
-float phase_evaluate(const Phase *phase, float cosine)
+float phase_evaluate_lobes(const Phase *phase, float cosine)
 {
     double p = phase->weight * lobe_evaluate(phase->lobes[0], (double)cosine);
     if (phase->weight < 1) p += (1 - phase->weight) * lobe_evaluate(phase->lobes[1], (double)cosine);
     return (float)p;
+}
+
+/* The squared sine of half the angle between two unit vectors, small ones too as well as floats tell them apart. */
+static float half_turn(Vec3f along, Vec3f direction)
+{
+    bool back = vec3f_dot(along, direction) < 0;
+    Vec3f between = back ? vec3f_add(direction, along) : vec3f_sub(direction, along);
+    float part = float_min(0.25f * vec3f_dot(between, between), 1);
+    return back ? 1 - part : part;
+}
+
+Lanes phase_evaluate(const Phase *phase, Vec3f along, Vec3f direction, Lanes wavelength_nm)
+{
+    if (LIKELY(!phase->table)) return lanes_all(phase_evaluate_lobes(phase, vec3f_dot(along, direction)));
+    return phase_table_at(phase->table, half_turn(along, direction), wavelength_nm);
 }
 
 /* The indefinite integral of the lobe, without its scale, over the cosine. With s^2 = 1 + g^2 - 2 g u it is one over
@@ -97,14 +108,24 @@ static double lobe_invert(PhaseLobe lobe, double u)
     return cosine;
 }
 
-Vec3f phase_sample(const Phase *phase, Vec3f along, const float u[2], float *pdf_w)
+static Vec3f turned(Vec3f along, float cosine, float sine, float u)
 {
+    float x, y;
+    sampling_circle(u, &x, &y);
+    return sampling_to_world(vec3f(sine * x, sine * y, cosine), along);
+}
+
+Vec3f phase_sample(const Phase *phase, Vec3f along, const float u[2], Lanes wavelength_nm, Lanes *pdf_w)
+{
+    if (UNLIKELY(phase->table)) {
+        float s = phase_table_sample(phase->table, u[0], lanes_get(wavelength_nm, 0));
+        *pdf_w = phase_table_at(phase->table, s, wavelength_nm);
+        return turned(along, 1 - 2 * s, 2 * sqrtf(s * (1 - s)), u[1]);
+    }
     double share = (double)u[0];
     bool second = share >= phase->weight;
     share = second ? (share - phase->weight) / (1 - phase->weight) : share / phase->weight;
     float cosine = (float)lobe_invert(phase->lobes[second], share);
-    float sine = sqrtf(fmaxf(0, 1 - cosine * cosine)), x, y;
-    sampling_circle(u[1], &x, &y);
-    *pdf_w = phase_evaluate(phase, cosine);
-    return sampling_to_world(vec3f(sine * x, sine * y, cosine), along);
+    *pdf_w = lanes_all(phase_evaluate_lobes(phase, cosine));
+    return turned(along, cosine, sqrtf(fmaxf(0, 1 - cosine * cosine)), u[1]);
 }

@@ -90,52 +90,13 @@ static void absorption_of(Builder *b, const EvalNode *node, SceneMedium *medium)
     medium->absorbs = !spectrum_is_zero(&medium->absorption);
 }
 
-static bool is_within(Builder *b, const EvalProp *prop, const char *what, double value, double least, double most)
-{
-    if (value >= least && value <= most) return true;
-    diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop->span, "%s of %s() is %g, outside of %g .. %g", what,
-                prop->as.spectrum.term->type->name, value, least, most);
-    return false;
-}
-
-static void phase_of(Builder *b, const EvalProp *prop, Phase *phase)
-{
-    const double *args = prop->as.spectrum.term->args, most = PHASE_MOST_G;
-    if (is_term(prop, "hg")) {
-        if (is_within(b, prop, "the mean cosine", args[0], -most, most)) *phase = phase_hg(args[0]);
-    } else if (is_term(prop, "draine")) {
-        if (is_within(b, prop, "g", args[0], -most, most) && is_within(b, prop, "alpha", args[1], 0, 1e6))
-            *phase = phase_draine(args[0], args[1]);
-    } else if (is_term(prop, "two_hg")) {
-        if (is_within(b, prop, "g1", args[0], -most, most) && is_within(b, prop, "g2", args[1], -most, most) &&
-            is_within(b, prop, "the weight", args[2], 0, 1))
-            *phase = phase_two_hg(args[0], args[1], args[2]);
-    } else if (is_term(prop, "rayleigh")) {
-        *phase = phase_draine(0, 1);
-    } else if (is_term(prop, "droplets")) {
-        double micrometres = args[0];
-        double of_length = micrometres * b->result.unit_m * 1e6; /* were it a length, which is in the scene's unit */
-        if (micrometres < 5 && of_length >= 4.999 && of_length <= 50.001) {
-            Diagnostic *report = diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop->span,
-                                             "the diameter of droplets() is a number of micrometres, without a unit");
-            diag_hint(b->diag, report, "write: droplets(%g)", of_length);
-        } else if (is_within(b, prop, "the diameter in micrometres", micrometres, 5, 50)) {
-            *phase = phase_droplets(micrometres);
-        }
-    } else {
-        diag_report(b->diag, D_WRONG_TYPE, prop->span,
-                    "'phase' is hg(g), draine(g, alpha), two_hg(g1, g2, weight), rayleigh() or droplets(diameter), not %s()",
-                    prop->as.spectrum.term->type->name);
-    }
-}
-
 static void scattering_of(Builder *b, const EvalNode *node, SceneMedium *medium)
 {
     const EvalProp *scattering = eval_prop(node, "scattering"), *phase = eval_prop(node, "phase");
     medium->scattering = scattering ? coefficients_of(b, scattering) : spectrum_constant(0);
     medium->scatters = !spectrum_is_zero(&medium->scattering);
     medium->phase = phase_isotropic();
-    if (phase) phase_of(b, phase, &medium->phase);
+    if (phase) build_phase(b, phase, medium);
     Diagnostic *report = scattering ? NULL : build_needs(b, node, "phase", "without 'scattering'");
     if (report) diag_hint(b->diag, report, "how much scatters in a length: scattering = 2 / 1cm");
 }

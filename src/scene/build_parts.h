@@ -83,6 +83,8 @@ typedef struct Builder {
     const char **file_table;                   /* the scene's files, not const */
     Map media, surfaces, shapes, names, files; /* media, surfaces: by the address of their node */
     Map nameless_media;                        /* by their values */
+    const PhaseTable **phase_tables;           /* of spheres, each of another recipe */
+    uint32_t n_phase_tables, phase_tables_capacity;
     Map textures, pictures;
     TextureFacts *texture_facts; /* of scene->textures */
     OpenTexture *open_textures;
@@ -153,6 +155,10 @@ bool build_emission(Builder *b, const EvalNode *node, const char *property, doub
 
 /* Room for a tabulated spectrum, in the scene's arena. */
 float *build_new_table(Builder *b);
+
+/* build_phase.c */
+/* In which directions a medium scatters whose index is known. */
+void build_phase(Builder *b, const EvalProp *prop, SceneMedium *medium);
 
 /* build_surface.c */
 uint32_t build_surface(Builder *b, const EvalNode *node);
@@ -237,6 +243,9 @@ void build_note_frame(Builder *b, uint32_t object);
 /* What a property's spectrum() says, its factor included; false after reporting. most: the largest value that can be
  * used, where the property's row has no smaller one. */
 bool build_spectrum(Builder *b, const EvalProp *prop, double most, Spectrum *out);
+/* The rows of a term's table, two numbers each, in place or from its file, unchecked; false after reporting. row_is: what a row should
+ * be. */
+bool build_pairs(Builder *b, const EvalProp *prop, DiagCode code, const char *row_is, const double **pairs, size_t *n);
 /* The same of a light, whose lines stay as narrow as they are. */
 bool build_light_spectrum(Builder *b, const EvalProp *prop, double most, Spectrum *out);
 

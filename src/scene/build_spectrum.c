@@ -18,6 +18,8 @@ typedef struct Rows {
     const Span *spans; /* of the rows of a file; NULL in place */
     size_t n;
     double least, most; /* of values, the factor included */
+    DiagCode code;      /* of what is wrong with a row of a file, */
+    const char *row_is; /* and what it should be */
 } Rows;
 
 /* ---- files ---- */
@@ -72,7 +74,7 @@ static bool read_rows(Rows *rows, uint32_t source, const char *text, size_t leng
         first = false;
         if (heading) continue;
         if (!read_row(begin, end, rows->pairs + 2 * rows->n)) {
-            diag_report(b->diag, D_BAD_SPECTRUM, span, "a row is a wavelength in nm and a value");
+            diag_report(b->diag, rows->code, span, "%s", rows->row_is);
             return false;
         }
         spans[rows->n++] = span;
@@ -83,7 +85,7 @@ static bool read_rows(Rows *rows, uint32_t source, const char *text, size_t leng
 static bool read_file(Rows *rows, const EvalTerm *term)
 {
     BuildText file;
-    return build_text_file(rows->b, term->span, term->text, LARGEST_FILE, D_BAD_SPECTRUM, &file) &&
+    return build_text_file(rows->b, term->span, term->text, LARGEST_FILE, rows->code, &file) &&
            read_rows(rows, file.source, file.text, file.length);
 }
 
@@ -139,18 +141,35 @@ static bool check_rows(const Rows *rows)
     return false;
 }
 
+static bool take_rows(Rows *rows)
+{
+    const EvalTerm *term = rows->prop->as.spectrum.term;
+    if (term->text) return read_file(rows, term);
+    rows->n = term->n_pairs;
+    rows->pairs = ARENA_ARRAY(rows->b->arena, double, 2 * rows->n);
+    memcpy(rows->pairs, term->pairs, 2 * rows->n * sizeof *rows->pairs);
+    return true;
+}
+
+bool build_pairs(Builder *b, const EvalProp *prop, DiagCode code, const char *row_is, const double **pairs, size_t *n)
+{
+    Rows rows = {.b = b, .prop = prop, .code = code, .row_is = row_is};
+    if (!take_rows(&rows)) return false;
+    *pairs = rows.pairs;
+    *n = rows.n;
+    return true;
+}
+
 static bool read_spectrum(Builder *b, const EvalProp *prop, double most, Rows *rows)
 {
     const EvalTerm *term = prop->as.spectrum.term;
-    *rows = (Rows){.b = b, .prop = prop, .least = prop->type->min, .most = fmin(prop->type->max, most)};
-    if (term->text) {
-        if (!read_file(rows, term)) return false;
-    } else {
-        rows->n = term->n_pairs;
-        rows->pairs = ARENA_ARRAY(b->arena, double, 2 * rows->n);
-        memcpy(rows->pairs, term->pairs, 2 * rows->n * sizeof *rows->pairs);
-    }
-    if (!check_rows(rows)) return false;
+    *rows = (Rows){.b = b,
+                   .prop = prop,
+                   .least = prop->type->min,
+                   .most = fmin(prop->type->max, most),
+                   .code = D_BAD_SPECTRUM,
+                   .row_is = "a row is a wavelength in nm and a value"};
+    if (!take_rows(rows) || !check_rows(rows)) return false;
     for (size_t i = 0; i < rows->n; i++) rows->pairs[2 * i + 1] *= term->scale;
     return true;
 }

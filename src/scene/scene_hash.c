@@ -121,6 +121,8 @@ uint64_t scene_medium_hash(const SceneMedium *medium)
             add_number(&h, medium->phase.lobes[i].g);
             add_number(&h, medium->phase.lobes[i].alpha);
         }
+        const PhaseTable *table = medium->phase.table;
+        if (table) add_bytes(&h, table->recipe, table->recipe_size);
     }
     add_integer(&h, medium->state);
     if (!medium->emits && !medium->density && !medium->mixes) return h.state;

@@ -98,10 +98,22 @@ static float pass_density(const Airway *way, double t)
     return (float)sampling_exponential_pdf(t - way->begin, (double)way->extinction, way->end - way->begin);
 }
 
+static Lanes by_lane(const Airway *way, Lanes coefficient, Lanes depth)
+{
+    return lanes_mul(lanes_mul(way->ratio, flight_attenuation(depth)), coefficient);
+}
+
 float airlight_flight_density(const Airway *way, Lanes coefficient, Lanes depth)
 {
-    Lanes passing = lanes_mul(way->ratio, flight_attenuation(depth));
-    return lanes_mean(lanes_mul(passing, coefficient)) / lanes_mean(way->ratio);
+    return lanes_mean(by_lane(way, coefficient, depth)) / lanes_mean(way->ratio);
+}
+
+float airlight_turn_density(const Airway *way, const Phase *phase, Lanes coefficient, Lanes depth, Lanes pdf_w)
+{
+    if (LIKELY(phase_is_grey(phase))) return lanes_get(pdf_w, 0);
+    Lanes each = by_lane(way, coefficient, depth);
+    float all = lanes_mean(each);
+    return all > 0 ? lanes_mean(lanes_mul(each, pdf_w)) / all : 0;
 }
 
 /* ---- the stretch ---- */
@@ -237,11 +249,11 @@ static bool look_far(const Path *path, const LightChoice *chosen, double rest, c
 static Lanes scattered_by(const Path *path, const Look *look, const Phase *phase, Lanes coefficient, Lanes depth)
 {
     const LightSample *light = &look->light;
-    float pdf = phase_evaluate(phase, vec3f_dot(path->ray.direction, light->direction));
-    float by_direction = light->delta ? 0 : pdf;
+    Lanes pdf = phase_evaluate(phase, path->ray.direction, light->direction, path->wavelengths.nm);
+    float by_direction = light->delta ? 0 : airlight_turn_density(&path->way, phase, coefficient, depth, pdf);
     float by_flight = airlight_flight_density(&path->way, coefficient, depth);
     float density = look->here * light->pdf_w + by_flight * (look->there * light->pdf_w + by_direction);
-    return density > 0 ? lanes_scale(coefficient, pdf / density) : lanes_all(0);
+    return density > 0 ? lanes_mul(coefficient, lanes_div(pdf, lanes_all(density))) : lanes_all(0);
 }
 
 /* The same of all that is there, and what is left of the light on its way to the beginning of the stretch. */
@@ -313,7 +325,8 @@ void airlight_note(Path *path, const FreeFlight *flight, bool uneven, double t)
     Airway *way = &path->way;
     if ((!(way->share > 0) && !(way->shaft > 0)) || t > way->end) return;
     way->n_media = uneven ? (uint32_t)path->tracer->parts.n : 1;
-    float density = airlight_flight_density(way, flight->coefficient, lanes_sub(flight->scattered, way->scattered));
+    way->by_lane = by_lane(way, flight->coefficient, lanes_sub(flight->scattered, way->scattered));
+    float density = lanes_mean(way->by_lane) / lanes_mean(way->ratio);
     way->t = t;
     way->rarity = density > 0 ? 1 / density : 0;
 }

@@ -39,6 +39,8 @@ double airlight_off_ends(const Path *path, double t);
 /* pf(t) where what scatters has this coefficient; depth: since the beginning of the stretch. The mean over the wavelengths, each
  * by how the path came there with it. */
 float airlight_flight_density(const Airway *way, Lanes coefficient, Lanes depth);
+/* s, where the phase function is pdf_w at the wavelengths: what path_phase_density says of flights that are scattered there. */
+float airlight_turn_density(const Airway *way, const Phase *phase, Lanes coefficient, Lanes depth, Lanes pdf_w);
 
 /* q a(t) / pf(t) at the place where the path was scattered last, for light from infinity and for a place on an emitter; 0
  * where it was not on such a stretch. Times p, it competes with c p and s. */

@@ -35,6 +35,7 @@ typedef struct Airway {
     float shaft;            /* see shaft.h: how often looks would be sent if all shares were 1; 0: there are none; */
     double shaft_all;       /* what the guide's cells scatter on the stretch; < 0: not known yet; */
     uint32_t n_media;       /* and what fills the place, t */
+    Lanes by_lane;          /* the density of flights to there, of each lane in relation to the others; where rarity > 0 */
 } Airway;
 
 /* What a path is to know of the guide where it was scattered last, see probe.c. */
@@ -244,6 +245,19 @@ static inline const LightChoices *path_lights(const Path *path, bool any)
 {
     const World *world = path->tracer->world;
     return any ? world_lights(world) : world_lights_in(world, nest_medium(&path->tracer->list));
+}
+/* A density of directions that stands for those of all lanes. */
+static inline float path_mean_density(const Path *path, Lanes pdf_w)
+{
+    return lanes_mean(lanes_mul(path->ratio, pdf_w)) / lanes_mean(path->ratio);
+}
+/* The same where a medium scatters. On a stretch on which light was looked for, too, lanes count as they do there, so that the weights of
+ * all ways to find it add up: see airlight.h. */
+static inline float path_phase_density(const Path *path, const Phase *phase, Lanes pdf_w)
+{
+    if (LIKELY(phase_is_grey(phase))) return lanes_get(pdf_w, 0);
+    if (!(path->from.rarity > 0)) return path_mean_density(path, pdf_w);
+    return lanes_mean(lanes_mul(path->from.by_lane, pdf_w)) / lanes_mean(path->from.by_lane);
 }
 /* What comes straight along the ray from a light, as basic radiance; false: nothing. The ray becomes aimed at the light. */
 bool path_light_arrives(Path *path, const LightSample *light, Ray *ray, Lanes *basic);

@@ -183,6 +183,15 @@ static void light_diffuse(Path *path, Event *event, const SurfacePlace *place, L
     path_add_direct_light(path, &light, &ray, lanes_scale(albedo, diffuse), diffuse);
 }
 
+/* A direction chosen by the hero's density: others would have chosen it more often, or less. */
+static void weigh_turn(Path *path, Lanes pdf_w)
+{
+    float hero = lanes_get(pdf_w, 0);
+    Lanes factor = hero > 0 ? lanes_scale(pdf_w, 1 / hero) : lanes_all(0);
+    path->beta = lanes_mul(path->beta, factor);
+    path->ratio = lanes_mul(path->ratio, factor);
+}
+
 void path_scatter_in_medium(Path *path, const Event *event)
 {
     const Phase *phase = &path->tracer->world->scene->media[event->medium].phase;
@@ -195,11 +204,11 @@ void path_scatter_in_medium(Path *path, const Event *event)
     LightSample light;
     path_choose_light(path, path->scatter_lights, position, vec3f(0, 0, 0), &light);
     if (light.pdf_w > 0) {
-        float pdf = phase_evaluate(phase, vec3f_dot(along, light.direction));
+        Lanes pdf = phase_evaluate(phase, along, light.direction, path->wavelengths.nm);
         Ray ray;
         ray_begin(&ray, position, light.direction);
         ray.time = path->ray.time;
-        path_add_direct_light(path, &light, &ray, lanes_all(pdf), pdf);
+        path_add_direct_light(path, &light, &ray, pdf, path_phase_density(path, phase, pdf));
     }
     float u[2];
     double time = path->ray.time;
@@ -208,11 +217,14 @@ void path_scatter_in_medium(Path *path, const Event *event)
     guide.share += shaft_rival(path, &guide);
     Vec3f direction;
     if (UNLIKELY(path_ask_guide(path, &guide, &direction))) {
-        float pdf = phase_evaluate(phase, vec3f_dot(along, direction));
+        Lanes pdf = phase_evaluate(phase, along, direction, path->wavelengths.nm);
         const SurfacePlace place = {.position = position, .apart = true};
-        path_send_probe(path, &guide, NULL, &place, false, direction, lanes_all(pdf), pdf);
+        path_send_probe(path, &guide, NULL, &place, false, direction, pdf, path_phase_density(path, phase, pdf));
     }
-    direction = phase_sample(phase, along, u, &path->scatter_pdf);
+    Lanes pdf;
+    direction = phase_sample(phase, along, u, path->wavelengths.nm, &pdf);
+    path->scatter_pdf = path_phase_density(path, phase, pdf);
+    if (!phase_is_grey(phase)) weigh_turn(path, pdf);
     path_leave_guide(path, &guide, direction, path->scatter_pdf);
     ray_begin(&path->ray, position, direction);
     path->ray.time = time;

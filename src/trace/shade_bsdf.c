@@ -30,12 +30,6 @@ static Vec3f from_local(const Frame *frame, Vec3f v)
     return vec3f_along(vec3f_along(vec3f_scale(frame->x, v.x), v.y, frame->y), v.z, frame->z);
 }
 
-/* A density that stands for those of all lanes. */
-static float mean_density(const Path *path, Lanes pdf_w)
-{
-    return lanes_mean(lanes_mul(path->ratio, pdf_w)) / lanes_mean(path->ratio);
-}
-
 /* The side of a surface that takes light from one side only; else zero. */
 static Vec3f one_side(const Bsdf *bsdf, const SurfacePlace *place)
 {
@@ -78,7 +72,7 @@ static void add_light(Path *path, Event *event, const Bsdf *bsdf, const SurfaceP
     Ray ray;
     path_start_ray(path, event, place, below, light.direction, &ray);
     if (keen) f_cos = lanes_scale(f_cos, path_found_part(path, INFINITY));
-    path_add_direct_light(path, &light, &ray, f_cos, mean_density(path, pdf_w));
+    path_add_direct_light(path, &light, &ray, f_cos, path_mean_density(path, pdf_w));
     path->probing.found = false;
 }
 
@@ -119,7 +113,7 @@ static void send_probe(Path *path, const GuideAt *guide, Event *event, const Bsd
     bool through = vec3f_dot(direction, place->geometric) < 0;
     evaluate(bsdf, place, frame, view, direction, &f_cos, &pdf_w);
     if (lanes_zero(f_cos) || (through && event->kind == EVENT_OPAQUE && !cross_opaque(path, event))) return;
-    path_send_probe(path, guide, event, place, through, direction, f_cos, mean_density(path, pdf_w));
+    path_send_probe(path, guide, event, place, through, direction, f_cos, path_mean_density(path, pdf_w));
 }
 
 static bool scatter(Path *path, Event *event, Bsdf *bsdf, const SurfacePlace *place, const Frame *frame, bool *straight)
@@ -160,7 +154,7 @@ static bool scatter(Path *path, Event *event, Bsdf *bsdf, const SurfacePlace *pl
     if (UNLIKELY(*straight)) {
         direction = path->ray.direction;
     } else {
-        path->scatter_pdf = sample.specular ? -1 : mean_density(path, pdf_w);
+        path->scatter_pdf = sample.specular ? -1 : path_mean_density(path, pdf_w);
         path->scatter_point = place->position;
         path->scatter_normal = one_side(bsdf, place);
         path->scatter_lights = path_lights(path, bsdf->transmits || event->n_cluster > 1);

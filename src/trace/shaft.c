@@ -110,9 +110,10 @@ static void send_from(Path *path, const FreeFlight *flight, const ShaftPlace *pl
     path->bounce = LOOKS + number;
     guide->sent *= path_probe_part(path, &path->way, true); /* by flights that are scattered there */
     guide->share = guide->sent + look_density(path, &path->way, guide->cell) / density;
-    float pdf = phase_evaluate(place->phase, vec3f_dot(path->ray.direction, direction));
+    Lanes pdf = phase_evaluate(place->phase, path->ray.direction, direction, path->wavelengths.nm);
+    float mean = airlight_turn_density(&path->way, place->phase, place->coefficient, place->depth, pdf);
     const SurfacePlace from = {.position = ray_point(&path->ray, t), .apart = true};
-    path_send_probe(path, guide, NULL, &from, false, direction, lanes_all(pdf), pdf);
+    path_send_probe(path, guide, NULL, &from, false, direction, pdf, mean);
     path->beta = beta;
     path->ratio = ratio;
     path->bounce = bounce;

@@ -92,8 +92,11 @@ exits 0
 says out 'film = 400nm'
 run help mist
 exits 0
-says out 'A mist has no rainbow'
-refuses "balls of water in the light of a distant light make one" help rainbow
+says out 'bows, coronas and glories of their size'
+run help fogbow
+exits 0
+says out 'phase = droplets(20)'
+refuses "a distant light and drops before it make one" help rainbow
 refuses "there is no help for 'opn-mesh'; did you mean 'open-mesh'?" help opn-mesh
 refuses "there is no help for 'roughnes'; did you mean 'roughness'?" help roughnes
 refuses "'light_source' is POV-Ray's, see meniscus-povray(7); write: light {" help light_source
