@@ -260,10 +260,11 @@ static double pair_intensity(const LargeAiry *airy, const LargePair *pair, doubl
     return pi * (sum * third * value * value + difference / third * slope * slope);
 }
 
-float large_intensity(const LargeAiry *airy, const LargeRays *rays, double x, double spread, double angle)
+float large_intensity(const LargeAiry *airy, const LargeRays *rays, double x, double spread, double angle,
+                      double diffracted)
 {
-    double third = cbrt(x), oblique = 0.5 * (1 + cos(angle));
-    double sum = (double)rays->plain + x * x * disc(x * sin(angle), spread) * oblique * oblique;
+    double third = cbrt(x), oblique = 0.5 * (1 + cos(angle)), sum = (double)rays->plain;
+    if (diffracted > 0) sum += diffracted * x * x * disc(x * sin(angle), spread) * oblique * oblique;
     for (uint32_t i = 0; i < rays->n; i++) sum += pair_intensity(airy, &rays->pairs[i], third, x, spread);
     return (float)sum;
 }

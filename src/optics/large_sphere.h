@@ -37,7 +37,9 @@ typedef struct LargeAiry {
     float value[LARGE_AIRY_STEPS + 1], slope[LARGE_AIRY_STEPS + 1];
 } LargeAiry;
 void large_airy(LargeAiry *airy);
-/* |S|^2 / x^2, unpolarized, in the mean over spheres of x (1 - spread / 2) to x (1 + spread / 2); x of 100 and more. */
-float large_intensity(const LargeAiry *airy, const LargeRays *rays, double x, double spread, double angle);
+/* |S|^2 / x^2, unpolarized, in the mean over spheres of x (1 - spread / 2) to x (1 + spread / 2); x of 100 and more. diffracted: what
+ * part of diffraction counts, 0 to 1. */
+float large_intensity(const LargeAiry *airy, const LargeRays *rays, double x, double spread, double angle,
+                      double diffracted);
 
 #endif

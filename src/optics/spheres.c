@@ -160,6 +160,15 @@ static void add_small(const SpheresTask *task, const Scratch *scratch, const Bin
     }
 }
 
+/* What is diffracted around large drops goes on within the breadth of the sun, half of all that they scatter. It would be found by
+ * chance alone, as a bright spot wherever a path happens to be scattered towards the sun. So it counts as not scattered, more and
+ * more from where its first dark ring is of a radius of 0.36 degrees to 0.18. */
+static double diffracted_part(double x)
+{
+    const double all = 600, none = 1200;
+    return fmin(fmax((none - x) / (none - all), 0), 1);
+}
+
 static double large_at(const SpheresTask *task, const Bin *bins, uint32_t n_bins, double index, double angle)
 {
     LargeRays rays;
@@ -167,7 +176,8 @@ static double large_at(const SpheresTask *task, const Bin *bins, uint32_t n_bins
     large_rays(index, angle, &rays);
     for (uint32_t k = 0; k < n_bins; k++) {
         if (bins[k].n_terms > 0) continue;
-        sum += bins[k].weight * (double)large_intensity(task->airy, &rays, bins[k].x, bins[k].spread, angle);
+        sum += bins[k].weight * (double)large_intensity(task->airy, &rays, bins[k].x, bins[k].spread, angle,
+                                                        diffracted_part(bins[k].x));
     }
     return sum;
 }

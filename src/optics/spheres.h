@@ -5,7 +5,8 @@
  * diameter, by the area of the spheres' shadows, and the relative standard deviation of that, the root of their effective variance.
  * Fog and clouds have one of 0.2 to 0.4, rain after J. S. Marshall and W. M. Palmer 0.58.
  *
- * Spheres of a circumference of up to SPHERES_BORDER wavelengths are summed by mie.h, larger ones by large_sphere.h.
+ * Spheres of a circumference of up to SPHERES_BORDER wavelengths are summed by mie.h, larger ones by large_sphere.h. What drops of
+ * more than some 150 micrometres diffract straight on counts as not scattered.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_SPHERES_H
 #define MEN_SPHERES_H

@@ -192,6 +192,19 @@ static void looks_agree(void **state)
          "box { interior = fog  from = <-4, -4, -8>  to = <4, 4, 1> }"
          "light { shape = sphere  from = <.3, 0, -3>  radius = .1  radiance = 20 }",
          512},
+        {"the same in droplets, which send colours each another way",
+         "medium fog { ior = 1  scattering = <.05, .2, .8>  absorption = <.2, 0, .1>  phase = droplets(2, .4) }"
+         "box { interior = fog  from = <-4, -4, -8>  to = <4, 4, 1> }"
+         "light { shape = sphere  from = <.3, 0, -3>  radius = .1  radiance = 20 }",
+         512},
+        {"a cloud of droplets that scatters colours unlike, in a mist of others",
+         "def g(p) = 2 * max(0, 1 - length(p - <0, .5, -2>)) medium cloud { mixes = true  scattering = <.3, 1, 3>"
+         "  phase = droplets(3, .4)  density = volume { function = g  from = <-1, -1, -4>  to = <1, 2, 0>  cells = 20 } }"
+         "medium mist { mixes = true  scattering = .05  phase = droplets(10) }"
+         "sphere { interior = cloud  center = <0, .5, -2> } box { interior = mist  from = <-4, -4, -8>  to = <4, 4, 1> }"
+         "light { shape = sphere  from = <.9, 1.5, -2.5>  radius = .2  radiance = 20 }"
+         "light { shape = distant  from = <1, 1, -1>  to = <0, 0, 0>  angle = 3deg  power = 1 }",
+         512},
         {"the same far off, before a wall",
          "medium fog { ior = 1  scattering = .05  phase = hg(-.3) } box { interior = fog  from = <-4, -4, -8>  to = "
          "<4, 4, 1> }"

@@ -3,6 +3,8 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "truth.h"
 
+#include "optics/spheres.h"
+
 enum { WIDTH = 32 };
 
 #define HEAD "meniscus 1.0 unit m\n"
@@ -46,6 +48,11 @@ static void furnaces(void **state)
               ".8  phase = rayleigh() }"
               "sphere { interior = cloud  radius = 2 } sphere { interior = air2  center = <.5, 0, -1>  radius = .6 }"
               "camera { from = <0, 0, 1>  to = <0, 0, 0>  fov = 60deg }" TRUTH_SKY},
+        {"spray of many colours, bubbles in water",
+         HEAD "medium spray { ior = 1  scattering = <.5, 1, 2>  phase = droplets(3, .4) }"
+              "medium soda { ior = 1.333  scattering = <3, 2, 1>  phase = bubbles(300) }"
+              "sphere { interior = spray  radius = 2 } sphere { interior = soda  center = <.5, 0, -1>  radius = .6 }"
+              "camera { from = <0, 0, 5>  to = <0, 0, 0>  fov = 40deg }" TRUTH_SKY},
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++)
         truth_expect(cases[i].name, 1, mean_of(cases[i].text, 256, true, cases[i].name), 4, 0.002);
@@ -104,6 +111,59 @@ static void single_scattering(void **state)
     truth_expect("single scattering in a slab", 1, (Estimate){seen.mean / expected, seen.error / expected}, 4, 0.05);
 }
 
+/* Droplets of water, and a slab in the light of a sun of few wavelengths: seen from the side of the sun, or against it, at the
+ * angle by which light is turned. Radiance over that of light scattered once, by the table. */
+static void droplets_in_a_slab(void **state)
+{
+    (void)state;
+    static const struct {
+        double diameter_um, nm, degrees, resolution;
+    } cases[] = {
+        {20, 450, 3, .02},     {20, 650, 30, .02},    {20, 450, 141, .02},
+        {20, 550, 178.5, .02}, {1000, 460, 143, .02}, {1000, 620, 139.4, .02}, {1000, 620, 129, .02},
+    };
+    const double extinction = .2, share = 1e-3, degree = TRUTH_PI / 180;
+    Arena arena;
+    arena_init(&arena);
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        const double nm = cases[i].nm, turned = cases[i].degrees * degree, slant = fabs(cos(turned));
+        char light[300], text[1200], what[100];
+        snprintf(light, sizeof light,
+                 "camera { from = <0, 0, 50>  to = <0, 0, 0>  fov = .01deg }"
+                 "light { shape = distant  to = <0, 0, 0>  angle = .01deg  power = 1"
+                 "  color = spectrum([<%g, 0>, <%g, 1>, <%g, 1>, <%g, 0>])",
+                 nm - 6, nm - 5, nm + 5, nm + 6);
+        snprintf(text, sizeof text,
+                 HEAD "box { from = <-9000, -9000, -1>  to = <9000, 9000, 0>  surface = surface { albedo = 1 } } %s"
+                      " from = <0, 0, 1> }",
+                 light);
+        Estimate wall = mean_of(text, 256, false, "wall");
+        snprintf(text, sizeof text,
+                 HEAD "medium mist { ior = 1  absorption = %.12g  scattering = %.12g  phase = droplets(%g) }"
+                      "box { interior = mist  from = <-9000, -9000, -1>  to = <9000, 9000, 0> } %s"
+                      " from = <%.12g, 0, %.12g> }",
+                 extinction * (1 - share), extinction * share, cases[i].diameter_um, light, sin(turned), -cos(turned));
+        Estimate seen = mean_of(text, 1024, false, "mist");
+        Spheres spheres = {.diameter_um = cases[i].diameter_um, .width = SPHERES_WIDTH};
+        for (uint32_t k = 0; k < PHASE_TABLE_WAVES; k++) {
+            spheres.index[k] = spheres_water_index(phase_table_nm(k));
+            spheres.around[k] = 1;
+        }
+        const PhaseTable *table = spheres_table(&arena, &spheres, NULL);
+        double sine = sin(0.5 * turned);
+        double phase = (double)lanes_get(phase_table_at(table, (float)(sine * sine), lanes_all((float)nm)), 0);
+        double way = turned > TRUTH_PI / 2
+                         ? (1 - exp(-extinction * (1 + 1 / slant))) / (extinction * (1 + 1 / slant))
+                         : (exp(-extinction) - exp(-extinction / slant)) / (extinction / slant - extinction);
+        double expected = wall.mean * TRUTH_PI * phase * extinction * share * way;
+        snprintf(what, sizeof what, "droplets of %g um, %g nm, turned by %g degrees", cases[i].diameter_um, nm,
+                 cases[i].degrees);
+        truth_expect(what, 1, (Estimate){seen.mean / expected, hypot(seen.error, .003 * seen.mean) / expected}, 4,
+                     cases[i].resolution);
+    }
+    arena_clear(&arena);
+}
+
 static double two_skies(double elevation)
 {
     return elevation > 0.5 ? 3 : 0.2;
@@ -114,25 +174,30 @@ static double two_skies(double elevation)
 static void lights_agree(void **state)
 {
     (void)state;
+    static const char *const phases[] = {"hg(-.3)", "droplets(3, .4)", "measured([<0, 1>, <120, 5>, <180, .1>])"};
     double indices[] = {1, 1.00001};
     Estimate seen[2];
-    for (int i = 0; i < 2; i++) {
+    for (size_t k = 0; k < 2 * COUNT_OF(phases); k++) {
+        size_t i = k % 2;
         char text[1000];
         Fixture scene;
         Picture picture;
         snprintf(text, sizeof text,
-                 HEAD "medium fog { ior = %.6g  scattering = <1, 1.5, 2>  absorption = .1  phase = hg(-.3) }"
+                 HEAD "medium fog { ior = %.6g  scattering = <1, 1.5, 2>  absorption = .1  phase = %s }"
                       "sphere { interior = fog  radius = 1 }"
                       "camera { from = <0, 0, 6>  to = <0, 0, 0>  fov = 16deg }" TRUTH_SKY,
-                 indices[i]);
+                 indices[i], phases[k / 2]);
         truth_open(&scene, (TruthInput){.text = text, .sky = two_skies});
         RenderSettings settings = truth_settings(WIDTH, 512);
         truth_render(&scene, &settings, 0, &picture);
         seen[i] = truth_total(&picture);
         truth_clear(&picture);
         fixture_clear(&scene);
+        if (i == 0) continue;
+        char what[100];
+        snprintf(what, sizeof what, "light found by sampling, and by chance: %s", phases[k / 2]);
+        truth_expect(what, 1, truth_ratio(seen[0], seen[1]), 4, 0.01);
     }
-    truth_expect("light found by sampling, and by chance", 1, truth_ratio(seen[0], seen[1]), 4, 0.01);
 }
 
 /* Rays that graze a ball no deeper than rounding go in and out at one place: paths that scatter in between are not to take
@@ -158,6 +223,7 @@ int main(void)
         cmocka_unit_test(furnaces),
         cmocka_unit_test(transmittance),
         cmocka_unit_test(single_scattering),
+        cmocka_unit_test(droplets_in_a_slab),
         cmocka_unit_test(lights_agree),
         cmocka_unit_test(grazed_balls),
     };

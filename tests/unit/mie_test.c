@@ -142,7 +142,7 @@ static double large_at(const LargeAiry *airy, double index, double x, double spr
 {
     LargeRays rays;
     large_rays(index, angle, &rays);
-    return (double)large_intensity(airy, &rays, x, spread, angle);
+    return (double)large_intensity(airy, &rays, x, spread, angle, 1);
 }
 
 /* Both halves of what a large sphere scatters come to 2. */
