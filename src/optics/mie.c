@@ -28,7 +28,10 @@ size_t mie_terms(double x)
 size_t mie_scratch(double x, MieNumber m)
 {
     double most = x * sqrt(squared(m)), n = (double)mie_terms(x);
-    most += 8 * cbrt(most); /* beyond where it ceases to swing, what the recurrence begins with is forgotten in steps of the cube root */
+    most +=
+        8 *
+        cbrt(
+            most); /* beyond where it ceases to swing, what the recurrence begins with is forgotten in steps of the cube root */
     return (size_t)(most > n ? most : n) + 17;
 }
 
@@ -89,8 +92,7 @@ MieEfficiencies mie_efficiencies(double x, const MieNumber *a, const MieNumber *
         extinction += (2 * n + 1) * (a[i].re + b[i].re);
         scattering += (2 * n + 1) * (squared(a[i]) + squared(b[i]));
         forward += (2 * n + 1) / (n * (n + 1)) * product(a[i], b[i]);
-        if (i + 1 < n_terms)
-            forward += n * (n + 2) / (n + 1) * (product(a[i], a[i + 1]) + product(b[i], b[i + 1]));
+        if (i + 1 < n_terms) forward += n * (n + 2) / (n + 1) * (product(a[i], a[i + 1]) + product(b[i], b[i + 1]));
     }
     return (MieEfficiencies){2 / (x * x) * extinction, 2 / (x * x) * scattering, 2 * forward / scattering};
 }

@@ -21,8 +21,8 @@ PhaseTable *phase_table_new(Arena *arena, uint32_t n_nodes, uint32_t n_waves)
     table->n_nodes = n_nodes;
     table->n_waves = n_waves;
     table->nodes = ARENA_ARRAY(arena, float, n_nodes);
-    table->values = ARENA_ARRAY(arena, float, (size_t)n_nodes * n_waves);
-    table->shares = ARENA_ARRAY(arena, double, (size_t)n_nodes * n_waves);
+    table->values = ARENA_ARRAY(arena, float, (size_t)n_nodes *n_waves);
+    table->shares = ARENA_ARRAY(arena, double, (size_t)n_nodes *n_waves);
     table->first = ARENA_ARRAY(arena, uint16_t, PHASE_TABLE_BUCKETS + 1);
     return table;
 }

@@ -176,8 +176,8 @@ static double large_at(const SpheresTask *task, const Bin *bins, uint32_t n_bins
     large_rays(index, angle, &rays);
     for (uint32_t k = 0; k < n_bins; k++) {
         if (bins[k].n_terms > 0) continue;
-        sum += bins[k].weight * (double)large_intensity(task->airy, &rays, bins[k].x, bins[k].spread, angle,
-                                                        diffracted_part(bins[k].x));
+        sum += bins[k].weight *
+               (double)large_intensity(task->airy, &rays, bins[k].x, bins[k].spread, angle, diffracted_part(bins[k].x));
     }
     return sum;
 }

@@ -72,12 +72,11 @@ static bool is_seen(Builder *b, const EvalProp *prop, const SceneMedium *medium,
         double index = spheres->index[k], inside = index * spheres->around[k];
         if (index >= SPHERES_LEAST_INDEX && index <= SPHERES_MOST_INDEX && fabs(index - 1) >= SPHERES_LEAST_CONTRAST)
             continue;
-        Diagnostic *report =
-            diag_report(b->diag, D_BAD_PHASE, prop->span,
-                        fabs(index - 1) < SPHERES_LEAST_CONTRAST
-                            ? "spheres of an index of %g within one of %g hardly scatter, at %.0f nm"
-                            : "spheres of an index of %g within one of %g are too unlike, at %.0f nm",
-                        inside, spheres->around[k], phase_table_nm(k));
+        Diagnostic *report = diag_report(b->diag, D_BAD_PHASE, prop->span,
+                                         fabs(index - 1) < SPHERES_LEAST_CONTRAST
+                                             ? "spheres of an index of %g within one of %g hardly scatter, at %.0f nm"
+                                             : "spheres of an index of %g within one of %g are too unlike, at %.0f nm",
+                                         inside, spheres->around[k], phase_table_nm(k));
         if (medium->mixes)
             diag_hint(b->diag, report, "around them is air, as the medium mixes");
         else
@@ -145,7 +144,8 @@ static bool check_measured(Builder *b, const EvalProp *prop, const Measured *row
         most = fmax(most, pair[1]);
     }
     if (!report && rows->n < 2)
-        report = diag_report(diag, D_BAD_PHASE, prop->span, "a phase function needs two rows or more, not %zu", rows->n);
+        report =
+            diag_report(diag, D_BAD_PHASE, prop->span, "a phase function needs two rows or more, not %zu", rows->n);
     if (!report && !(most > 0))
         report = diag_report(diag, D_BAD_PHASE, prop->span, "a phase function of 0 everywhere scatters nowhere");
     if (!report && rows->n > 20000)
@@ -176,8 +176,10 @@ static Phase measured_of(Builder *b, const EvalProp *prop)
     size_t next = 0, row = 0;
     for (int step = 0; step <= STEPS;) {
         double degrees = 180.0 * step / STEPS, s;
-        if (next < rows.n && rows.pairs[2 * next] <= degrees) degrees = rows.pairs[2 * next++];
-        else step++;
+        if (next < rows.n && rows.pairs[2 * next] <= degrees)
+            degrees = rows.pairs[2 * next++];
+        else
+            step++;
         s = pow(sin(0.5 * degrees * degree), 2);
         if (n > 0 && !((float)s > table->nodes[n - 1])) continue;
         table->nodes[n] = (float)s;

@@ -7,6 +7,7 @@
 
 #include "near.h"
 #include "optics/color.h"
+#include "optics/spheres.h"
 #include "scene_fixture.h"
 
 static const double pi = 3.14159265358979323846;
@@ -50,6 +51,56 @@ static void media_keep_their_properties(void **state)
     assert_true(spectrum_at_one(&m->absorption, 620) < 0.06f);
     assert_int_equal(f.scene->objects[fixture_object(&f, "a")].priority, 3);
     assert_int_equal(f.scene->objects[fixture_object(&f, "c")].priority, -2);
+    fixture_clear(&f);
+}
+
+/* Equal spheres have one table; what is around them is the medium's own index, or air, or water around bubbles. */
+static void phases_of_spheres(void **state)
+{
+    (void)state;
+    Fixture f;
+    GOOD(&f, "medium fog { mixes = true  scattering = 1  phase = droplets(3) }"
+             "medium mist { ior = 1  scattering = 2  phase = droplets(3, .2) }"
+             "medium haze { mixes = true  scattering = 2  phase = droplets(3, .3) }"
+             "medium soda { ior = 1.4  scattering = 1  phase = bubbles(2) }"
+             "medium foam { mixes = true  scattering = 1  phase = bubbles(2) }"
+             "medium opal { ior = 1.4  scattering = 1  phase = spheres(.3, 1.46, .1) }"
+             "sphere a { interior = fog } sphere b { interior = mist } sphere c { interior = haze }"
+             "sphere d { interior = soda } sphere e { interior = foam } sphere f { interior = opal }");
+    const SceneMedium *fog = medium_of(&f, "a"), *mist = medium_of(&f, "b"), *haze = medium_of(&f, "c");
+    assert_non_null(fog->phase.table);
+    assert_ptr_equal(fog->phase.table, mist->phase.table);
+    assert_ptr_not_equal(fog->phase.table, haze->phase.table);
+    const Spheres *soda = medium_of(&f, "d")->phase.table->recipe, *foam = medium_of(&f, "e")->phase.table->recipe;
+    const Spheres *opal = medium_of(&f, "f")->phase.table->recipe;
+    assert_near(soda->index[5], 1 / 1.4, 1e-7);
+    assert_near(soda->around[5], 1.4, 1e-7);
+    assert_near(foam->index[5] * spheres_water_index(phase_table_nm(5)), 1, 1e-12);
+    assert_near(opal->index[9], 1.46 / 1.4, 1e-7);
+    assert_near(opal->width, .1, 0);
+    assert_near(opal->diameter_um, .3, 0);
+    assert_near(spheres_water_index(589.3), 1.3334, 1e-4); /* n_d of std/media.mns */
+    fixture_clear(&f);
+}
+
+/* Of any scale, linear in the angle. */
+static void phases_that_were_measured(void **state)
+{
+    (void)state;
+    Fixture f;
+    GOOD(&f, "medium dust { mixes = true  scattering = 1  phase = measured([<0, 7>, <180, 7>]) }"
+             "medium sand { mixes = true  scattering = 1  phase = measured([<20, 30>, <60, 10>]) }"
+             "sphere a { interior = dust } sphere b { interior = sand }");
+    const PhaseTable *dust = medium_of(&f, "a")->phase.table, *sand = medium_of(&f, "b")->phase.table;
+    const Lanes nm = lanes(400, 500, 600, 700);
+    for (float s = 0; s <= 1; s += 0.0625f)
+        assert_near((double)lanes_get(phase_table_at(dust, s, nm), 2), 1 / (4 * pi), 1e-7);
+    double at[] = {0, 20, 30, 60, 180}, expected[] = {3, 3, 2.5, 1, 1};
+    for (size_t i = 0; i < COUNT_OF(at); i++) {
+        float s = (float)pow(sin(0.5 * at[i] * pi / 180), 2);
+        float value = lanes_get(phase_table_at(sand, s, nm), 0), last = lanes_get(phase_table_at(sand, 1, nm), 0);
+        assert_near((double)(value / last), expected[i], 1e-4);
+    }
     fixture_clear(&f);
 }
 
@@ -770,6 +821,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(surfaces_are_checked),
         cmocka_unit_test(surfaces_become_parameters),
+        cmocka_unit_test(phases_of_spheres),
+        cmocka_unit_test(phases_that_were_measured),
         cmocka_unit_test(media_keep_their_properties),
         cmocka_unit_test(dispersion_can_be_left_out),
         cmocka_unit_test(the_world_is_air_unless_it_is_not),

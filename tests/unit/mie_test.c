@@ -256,8 +256,12 @@ static void bows(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(published_values), cmocka_unit_test(energy),    cmocka_unit_test(small_spheres),
-        cmocka_unit_test(sums_in_float),    cmocka_unit_test(large_energy), cmocka_unit_test(hand_over),
+        cmocka_unit_test(published_values),
+        cmocka_unit_test(energy),
+        cmocka_unit_test(small_spheres),
+        cmocka_unit_test(sums_in_float),
+        cmocka_unit_test(large_energy),
+        cmocka_unit_test(hand_over),
         cmocka_unit_test(bows),
     };
     return cmocka_run_group_tests_name("mie", tests, NULL, NULL);

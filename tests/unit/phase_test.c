@@ -115,8 +115,8 @@ static void tables_are_densities(void **state)
             least = fmin(least, whole);
             most = fmax(most, whole);
         }
-        printf("    droplets of %g um: %u nodes, integrals %.6f to %.6f, mean cosine %.4f\n", diameters[i], table->n_nodes,
-               least, most, table_moment(table, 550, 1));
+        printf("    droplets of %g um: %u nodes, integrals %.6f to %.6f, mean cosine %.4f\n", diameters[i],
+               table->n_nodes, least, most, table_moment(table, 550, 1));
         assert_near(least, 1, 1e-5);
         assert_near(most, 1, 1e-5);
     }
