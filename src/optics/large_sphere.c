@@ -73,7 +73,7 @@ static double gathering(const Branch *branch, double incidence, double angle)
 {
     double within = refracted(branch->index, incidence);
     double slope = fabs(2 - 2 * branch->p * cos(incidence) / (branch->index * fmax(cos(within), 1e-9)));
-    double least = fmax(fmin(sin(incidence), 0.01), 1e-9);
+    double least = fmax(fmin(sin(incidence) / 20, 0.01), 1e-9);
     return sin(incidence) * cos(incidence) / (fmax(sin(angle), least) * fmax(slope, 1e-9));
 }
 
