@@ -1,6 +1,7 @@
 /* gltf.c - reads the triangles of glTF 2.0 scenes (Khronos Group, ISO/IEC 12113): .gltf with buffers beside or within
  * it, and .glb. The default scene, or all nodes where there is none, with the nodes' transforms applied; positions,
- * normals and the first texture coordinates. Skins and morph targets stay as they were drawn.
+ * normals and the first texture coordinates, whose v counts down from a picture's upper edge there, and up from its lower one
+ * here. Skins and morph targets stay as they were drawn.
  * The numbers are in gltf_data.c.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
@@ -158,8 +159,9 @@ static Status mesh_of(const Gltf *gltf, const Primitive *primitive, Mesh **out)
             mesh->triangles[i][k] = to;
             mesh->positions[to] = vector_at(primitive->positions, from);
             if (primitive->normals) mesh->normals[to] = vector_at(primitive->normals, from);
-            if (primitive->uvs)
-                memcpy(&mesh->uvs[2 * (size_t)to], &primitive->uvs[2 * (size_t)from], 2 * sizeof(float));
+            if (!primitive->uvs) continue;
+            mesh->uvs[2 * (size_t)to] = primitive->uvs[2 * (size_t)from];
+            mesh->uvs[2 * (size_t)to + 1] = 1 - primitive->uvs[2 * (size_t)from + 1]; /* from the lower edge */
         }
     }
     *out = mesh;

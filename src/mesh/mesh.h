@@ -14,7 +14,7 @@
 typedef struct Mesh {
     Vec3f *positions; /* n_vertices, with 4 bytes of padding behind the last (Embree reads them) */
     Vec3f *normals;   /* per vertex, unit, outward; NULL: flat */
-    float *uvs;       /* 2 per vertex, NULL: none */
+    float *uvs;       /* 2 per vertex, v upward on a picture; NULL: none */
     uint32_t n_vertices;
     uint32_t (*triangles)[3];
     uint32_t n_triangles;

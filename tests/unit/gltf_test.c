@@ -58,7 +58,8 @@ static char *file_text(const char *nodes, const char *primitives, const char *ur
             "\"byteOffset\": 4}}},"
             "{\"bufferView\": 4, \"componentType\": 5121, \"count\": 4, \"type\": \"SCALAR\"},"
             "{\"bufferView\": 1, \"componentType\": 5123, \"count\": 13, \"type\": \"SCALAR\"},"
-            "{\"bufferView\": 0, \"componentType\": 5126, \"count\": 3, \"type\": \"VEC3\"}],"
+            "{\"bufferView\": 0, \"componentType\": 5126, \"count\": 3, \"type\": \"VEC3\"},"
+            "{\"bufferView\": 0, \"componentType\": 5126, \"count\": 4, \"type\": \"VEC2\"}],"
             "\"bufferViews\": [{\"buffer\": 0, \"byteLength\": 48}, {\"buffer\": 0, \"byteOffset\": 48, "
             "\"byteLength\": 24},"
             "{\"buffer\": 0, \"byteOffset\": 72, \"byteLength\": 24}, {\"buffer\": 0, \"byteOffset\": 96, "
@@ -205,6 +206,27 @@ static void strips_fans_normals_and_uvs_are_read(void **state)
     mesh_free(mesh);
 }
 
+/* v counts down from a picture's upper edge in the file, and up from its lower one in a mesh. Read as pairs, the positions
+ * are (0, 0), (0, 1), (0, 0), (0, 1). */
+static void pictures_stand_upright(void **state)
+{
+    (void)state;
+    static const char *const primitives[] = {
+        "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 0, \"TEXCOORD_0\": 7}, \"indices\": 1}",
+        "{\"attributes\": {\"POSITION\": 0, \"TEXCOORD_0\": 7}, \"indices\": 1}", /* flat: corners stand alone */
+    };
+    for (size_t i = 0; i < COUNT_OF(primitives); i++) {
+        Mesh *mesh = load_nodes(NODES, primitives[i]);
+        assert_non_null(mesh->uvs);
+        for (uint32_t v = 0; v < mesh->n_vertices; v++) {
+            bool down = mesh->positions[v].x > 0 || mesh->positions[v].z > 0; /* the second vertex and the fourth */
+            assert_true(mesh->uvs[2 * v] == 0);
+            assert_true(mesh->uvs[2 * v + 1] == (down ? 0 : 1));
+        }
+        mesh_free(mesh);
+    }
+}
+
 static void parts_are_nodes_meshes_and_materials(void **state)
 {
     (void)state;
@@ -260,7 +282,7 @@ static void what_does_not_fit_together_is_refused(void **state)
     refuse_nodes(NODES, "{\"attributes\": {\"POSITION\": 6}, \"indices\": 1}", DATA, "uses vertex 3; there are 3");
     refuse_nodes(NODES, "{\"attributes\": {\"POSITION\": 0}, \"indices\": 5}", DATA, "does not fit a buffer view");
     refuse_nodes(NODES, "{\"attributes\": {\"POSITION\": 0}, \"indices\": 4}", DATA, "4 corners, which are not threes");
-    refuse_nodes(NODES, "{\"attributes\": {\"POSITION\": 9}}", DATA, "no number 9 of its 7 accessors");
+    refuse_nodes(NODES, "{\"attributes\": {\"POSITION\": 9}}", DATA, "no number 9 of its 8 accessors");
     refuse_nodes(NODES, "{\"attributes\": {\"POSITION\": 1}}", DATA, "of type SCALAR, not VEC3");
     refuse_nodes(NODES, "{\"attributes\": {}}", DATA, "'POSITION' is missing");
     refuse_nodes(NODES, "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 6}}", DATA, "4 positions, and 3 of NORMAL");
@@ -295,6 +317,7 @@ int main(void)
         cmocka_unit_test(nodes_move_turn_scale_and_mirror),
         cmocka_unit_test(sparse_and_quantized_numbers_are_read),
         cmocka_unit_test(strips_fans_normals_and_uvs_are_read),
+        cmocka_unit_test(pictures_stand_upright),
         cmocka_unit_test(parts_are_nodes_meshes_and_materials),
         cmocka_unit_test(extensions_that_cannot_be_read_are_named),
         cmocka_unit_test(what_does_not_fit_together_is_refused),
