@@ -40,7 +40,8 @@ typedef struct MeshJoin {
 
 /* Closes a mesh whose seams are open by the last bits: vertices on open edges that are within a distance of each other, and
  * nearer than a quarter of the edges there, move to one place, if that leaves no edge open, crowds none and
- * collapses no triangle; else the mesh stays as it is. within < 0: a millionth of the mesh's diagonal. end: NULL, or the same
+ * collapses no triangle, except those that have an open edge shorter than the rounding of their coordinates, which is no edge here;
+ * else the mesh stays as it is. within < 0: a millionth of the mesh's diagonal. end: NULL, or the same
  * triangles later, whose vertices move alike. Positions that triangles use must be finite. O(n) memory. */
 ATTR_NODISCARD Status mesh_join(Mesh *mesh, Mesh *end, double within, Pool *pool, MeshJoin *join, Error *error);
 /* Looks for the distance within which mesh_join would close the mesh, up to `most` of its diagonal, and leaves it as it is: any from

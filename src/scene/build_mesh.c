@@ -230,8 +230,10 @@ static void hint_at_join(Builder *b, Diagnostic *report, uint32_t shape)
         return;
     const char *name;
     double scale = facts->to_scene * b->result.unit_m, to_unit = scale / unit_for(found.farthest * scale, &name);
+    /* poles may be 1e-16 apart, which is no length that one would write */
+    double least = double_max(found.farthest, most * 1e-3);
     diag_hint(b->diag, report, "vertices on these edges lie %.3g %s apart or less: weld = %.6g%s closes it",
-              found.farthest * to_unit, name, short_number(found.farthest * to_unit, most * to_unit), name);
+              found.farthest * to_unit, name, short_number(least * to_unit, most * to_unit), name);
 }
 
 void build_report_open(Builder *b, Span span, const char *name, uint32_t shape)

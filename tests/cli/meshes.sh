@@ -76,6 +76,25 @@ refuses_mesh_of
 says err "weld = 40um closes it"
 end
 
+begin "meshes: a pole that is many places by rounding closes"
+awk 'BEGIN { pi = atan2(0, -1); n = 32
+    for (i = 0; i <= 8; i++) for (k = 0; k < n; k++) { r = sin(pi * i / 8); t = 2 * pi * k / n
+        printf "v %.17g %.17g %.17g\n", r * cos(t), cos(pi * i / 8), -r * sin(t) }
+    for (i = 0; i < 8; i++) for (k = 0; k < n; k++) { l = (k + 1) % n
+        print "f", i * n + k + 1, (i + 1) * n + k + 1, (i + 1) * n + l + 1, i * n + l + 1 } }' > pole.obj
+mesh_scene 'file = "pole.obj"' > scene.mns
+run check scene.mns
+exits 0
+says err "64 of the triangles of the mesh have no extent and are dropped"
+matches err "the mesh of mesh 1 was open by .* nm or less: 31 of its vertices are joined to others \[mesh-joined\]"
+run render scene.mns
+exits 0
+says err " 0 nesting faults"
+mesh_scene 'file = "pole.obj"  weld = 0' > scene.mns
+refuses_mesh_of
+says err "weld = 0.04nm closes it"
+end
+
 begin "meshes: what is dropped, and edges of several faces, are reported with places"
 { tetrahedron 1; printf 'f 4 2 3\nf 3 3 4\n'; } > extra.obj
 mesh_scene 'file = "extra.obj"' > scene.mns

@@ -158,6 +158,78 @@ static void the_distance_that_closes_is_found(void **state)
     mesh_free(holed);
 }
 
+/* A sphere about the middle, its upper pole one place, its lower one a circle of that radius. */
+static Mesh *poled_sphere(uint32_t columns, double pole)
+{
+    enum { ROWS = 12 };
+    Mesh *mesh = NULL;
+    assert_int_equal(mesh_new(columns * (ROWS + 1), 2 * columns * ROWS, false, false, &mesh, NULL), STATUS_OK);
+    for (uint32_t i = 0; i <= ROWS; i++)
+        for (uint32_t k = 0; k < columns; k++) {
+            double r = i == 0 ? 0 : i == ROWS ? pole : sin(pi * i / ROWS), turn = 2 * pi * k / columns;
+            mesh->positions[i * columns + k] = vec3f_from(vec3(r * cos(turn), cos(pi * i / ROWS), -r * sin(turn)));
+            if (i == ROWS) continue;
+            uint32_t a = i * columns + k, b = a + columns, d = i * columns + (k + 1) % columns, c = d + columns;
+            const uint32_t faces[2][3] = {{a, b, c}, {a, c, d}};
+            memcpy(mesh->triangles[2 * a], faces, sizeof faces);
+        }
+    return mesh;
+}
+
+/* sin(pi) is 1.2e-16 in doubles and -8.7e-8 in floats. */
+static void poles_that_are_rounded_become_places(void **state)
+{
+    (void)state;
+    const double poles[] = {1.2246e-16, -8.7423e-8}, within[] = {-1, 1e-3};
+    const uint32_t columns[] = {3, 32, 1000};
+    for (size_t i = 0; i < 12; i++) {
+        MeshJoin join;
+        uint32_t n = columns[i / 4];
+        Mesh *mesh = poled_sphere(n, poles[i % 2]);
+        MeshReport report = inspect(mesh);
+        assert_int_equal(report.n_open_edges, n);
+        assert_int_equal(mesh_join(mesh, NULL, within[i / 2 % 2], NULL, &join, NULL), STATUS_OK);
+        report = inspect(mesh);
+        assert_true(report.closed && join.n_joined == n - 1 && join.farthest < 2e-7);
+        assert_int_equal(report.n_degenerate, 2 * n); /* of both poles; the rest is as it was */
+        assert_int_equal(report.n_components, 1);
+        assert_int_equal(mesh_weld(mesh, NULL, NULL), STATUS_OK);
+        assert_int_equal(mesh->n_vertices, 11 * n + 2);
+        mesh_free(mesh);
+    }
+}
+
+static void small_holes_that_are_no_rounding_stay(void **state)
+{
+    (void)state;
+    MeshJoin join;
+    expect_untouched(poled_sphere(32, 1e-4), -1);  /* edges that were drawn */
+    expect_untouched(poled_sphere(400, 5e-6), -1); /* edges of rounding that add up */
+    Mesh *holed = poled_sphere(32, 1.2246e-16);
+    memset(holed->triangles[200], 0, sizeof holed->triangles[200]);
+    expect_untouched(holed, -1);
+    expect_untouched(poled_sphere(32, 1.2246e-16), 0);
+    Mesh *mesh = poled_sphere(32, 1.2246e-16), *opens = poled_sphere(32, 0.1);
+    assert_int_equal(mesh_join(mesh, opens, -1, NULL, &join, NULL), STATUS_OK);
+    assert_int_equal(join.n_joined, 0);
+    mesh_free(mesh);
+    mesh_free(opens);
+}
+
+static void what_closes_a_rounded_pole_is_found(void **state)
+{
+    (void)state;
+    MeshJoin found, join;
+    double within;
+    Mesh *mesh = poled_sphere(32, 1.2246e-16);
+    assert_int_equal(mesh_find_join(mesh, 0.02, NULL, &found, &within, NULL), STATUS_OK);
+    assert_int_equal(found.n_joined, 31);
+    assert_int_equal(inspect(mesh).n_open_edges, 32);
+    assert_int_equal(mesh_join(mesh, NULL, found.farthest, NULL, &join, NULL), STATUS_OK);
+    assert_true(join.n_joined == 31 && inspect(mesh).closed);
+    mesh_free(mesh);
+}
+
 /* What moves: both ends are joined alike. */
 static void the_end_goes_along(void **state)
 {
@@ -179,6 +251,9 @@ int main(void)
         cmocka_unit_test(seams_close_and_keep_their_coordinates),
         cmocka_unit_test(what_is_closed_or_has_a_hole_stays),
         cmocka_unit_test(the_distance_that_closes_is_found),
+        cmocka_unit_test(poles_that_are_rounded_become_places),
+        cmocka_unit_test(small_holes_that_are_no_rounding_stay),
+        cmocka_unit_test(what_closes_a_rounded_pole_is_found),
         cmocka_unit_test(the_end_goes_along),
     };
     return cmocka_run_group_tests_name("join", tests, NULL, NULL);
