@@ -131,11 +131,12 @@ static Status choose_layer(const char *name, const Talk *talk, Viewed *viewed, E
     if (aov != AOV_COUNT) layer_of_aov(aov, in_file);
     if (!layer_is_in(&viewed->image, in_file)) return fail_to_find(&viewed->image, name, in_file, error);
     TRY(layer_of(&viewed->image, in_file, &layer, error));
+    const char *holes = layer.has_holes ? "; dark blue is where nothing is" : "";
     if (layer.kind == LAYER_NUMBERS && layer.white > layer.black)
-        talk_remark(talk, "%s: black is %.4g, white %.4g%s", name, (double)layer.black, (double)layer.white,
-                    layer.held ? " and more" : "");
+        talk_remark(talk, "%s: black is %.4g, white %.4g%s%s", name, (double)layer.black, (double)layer.white,
+                    layer.held ? " and more" : "", holes);
     else if (layer.kind == LAYER_NUMBERS)
-        talk_remark(talk, "%s: all of it is %.4g", name, (double)layer.black);
+        talk_remark(talk, "%s: all of it is %.4g%s", name, (double)layer.black, holes);
     image_clear(&viewed->image);
     *viewed = (Viewed){layer.image, layer.kind != LAYER_COLOR};
     return STATUS_OK;

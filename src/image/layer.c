@@ -13,6 +13,9 @@ enum { MOST = 3 };
 /* Directions are this long at most: means of unit vectors, rounded. */
 #define LONGEST_DIRECTION 1.001f
 
+/* Neither near nor far, nor any grey. */
+static const float hole_color[MOST] = {0.05f, 0.05f, 0.4f};
+
 /* The channels of a layer, in their order. */
 typedef struct Channels {
     int at[MOST];
@@ -115,7 +118,6 @@ static float shown(const Layer *layer, float value)
     case LAYER_DIRECTION: return 0.5f + 0.5f * value;
     case LAYER_NUMBERS: break;
     }
-    if (!is_something(value)) return 0;
     if (!(layer->white > layer->black)) return 0.5f;
     return fminf((value - layer->black) / (layer->white - layer->black), 1);
 }
@@ -125,6 +127,24 @@ static int channel_for(const Channels *channels, int color)
 {
     if (channels->n == 1) return channels->at[0];
     return color < channels->n ? channels->at[color] : -1;
+}
+
+/* Whether a pixel has a number in each of the layer's channels. */
+static bool is_whole(const float *pixel, const Channels *channels)
+{
+    bool whole = true;
+    for (int k = 0; k < channels->n; k++) whole = whole && is_something(pixel[channels->at[k]]);
+    return whole;
+}
+
+static void show_pixel(Layer *layer, const float *pixel, const Channels *channels, float *out)
+{
+    bool hole = layer->kind == LAYER_NUMBERS && !is_whole(pixel, channels);
+    layer->has_holes = layer->has_holes || hole;
+    for (int color = 0; color < MOST; color++) {
+        int channel = channel_for(channels, color);
+        out[color] = hole ? hole_color[color] : channel < 0 ? 0 : shown(layer, pixel[channel]);
+    }
 }
 
 static LayerKind kind_of(const Image *image, const Channels *channels)
@@ -145,11 +165,7 @@ Status layer_of(const Image *image, const char *name, Layer *layer, Error *error
     if (layer->kind == LAYER_NUMBERS) TRY(find_range(image, &channels, layer, error));
     TRY(image_new(image->width, image->height, names, COUNT_OF(names), &layer->image, error));
     for (size_t i = 0; i < (size_t)image->width * image->height; i++)
-        for (int color = 0; color < MOST; color++) {
-            int channel = channel_for(&channels, color);
-            layer->image.pixels[i * MOST + (size_t)color] =
-                channel < 0 ? 0 : shown(layer, image->pixels[i * image->n_channels + (size_t)channel]);
-        }
+        show_pixel(layer, &image->pixels[i * image->n_channels], &channels, &layer->image.pixels[i * MOST]);
     return STATUS_OK;
 }
 

@@ -15,6 +15,7 @@ typedef struct Layer {
     LayerKind kind;
     float black, white; /* of LAYER_NUMBERS: which numbers become that. Equal where all are the same, which is grey then */
     bool held;          /* of these: more than white is white, too */
+    bool has_holes;     /* of these: some pixels have no number, and a colour that no number has: dark blue */
     Image image;        /* R, G, B */
 } Layer;
 
@@ -25,7 +26,7 @@ bool layer_is_in(const Image *image, const char *name);
 void layer_of_channel(const Image *image, uint32_t channel, char name[LAYER_NAME_SIZE]);
 
 /* Of numbers the least is black; white is the largest, or where a few are far larger, what 99 of 100 do not exceed. What is not
- * finite, or so large that it stands for nothing at all, is black, and does not count.
+ * finite, or so large that it stands for nothing at all, does not count, and its pixel is dark blue.
  * STATUS_INPUT where the picture has no layer of that name; STATUS_NOMEM. */
 #define LAYER_NOTHING 1e29f
 ATTR_NODISCARD Status layer_of(const Image *image, const char *name, Layer *layer, Error *error);

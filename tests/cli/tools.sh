@@ -91,7 +91,11 @@ small_scene
 run render small.mns -o a.exr --aov depth,normal,medium,nesting,cryptomatte
 run view a.exr --layer depth -o depth.png
 exits 0
-matches err '^meniscus view: remark: depth: black is [0-9.]*, white [0-9.]* and more$'
+matches err '^meniscus view: remark: depth: black is [0-9.]*, white [0-9.]* and more; dark blue is where nothing is$'
+sed 's/^camera {.*/camera { from = <0, 30, -1>  to = <0, 0, 0>  fov = 30 }/' small.mns > down.mns
+run render down.mns -o down.exr --aov depth
+run view down.exr --layer depth -o down.png
+matches err '^meniscus view: remark: depth: black is [0-9.]*, white [0-9.]*$'
 run view a.exr --layer Z -o z.png -q
 empty err
 cmp -s depth.png z.png || flunk "an AOV is not the layer of its channels"

@@ -93,8 +93,9 @@ static void distances_go_from_black_to_white(void **state)
     assert_false(layer.held);
     assert_float_equal(layer.black, 4, 0);
     assert_float_equal(layer.white, 1 + PIXELS, 0);
-    check_pixel(&layer, 0, 0, 0, 0); /* nothing there */
-    check_pixel(&layer, 1, 0, 0, 0);
+    assert_true(layer.has_holes);
+    check_pixel(&layer, 0, 0.05f, 0.05f, 0.4f); /* nothing there */
+    check_pixel(&layer, 1, 0.05f, 0.05f, 0.4f);
     check_pixel(&layer, 2, 0, 0, 0);
     check_pixel(&layer, PIXELS - 1, 1, 1, 1);
     layer_clear(&layer);
@@ -114,6 +115,7 @@ static void a_few_large_numbers_leave_the_rest_bright(void **state)
     Image image = picture_of((const char *const[]){"variance.Y"}, 1, peaked);
     Layer layer = layer_named(&image, "variance.Y");
     assert_true(layer.held);
+    assert_false(layer.has_holes);
     assert_float_equal(layer.white, 98, 1);
     check_pixel(&layer, 50, 1, 1, 1);
     assert_true(image_at(&layer.image, 49, 0)[0] > 0.49f);
