@@ -126,6 +126,23 @@ static void mark_merging(const Remarks *r, bool *suspect)
     }
 }
 
+/* An engraving that stands half out: the body is on top where both are, so that nothing is cut out of it. */
+static void hint_at_cut(Remarks *r, Diagnostic *report, uint32_t hull)
+{
+    const CompiledScene *compiled = r->compiled;
+    for (size_t i = 0; i < compiled->n_pairs; i++) {
+        const HullPair *pair = &compiled->pairs[i];
+        if (!pair->overlaps || pair->relation != NEST_PARTIAL) continue;
+        ReportVerdict verdict = report_verdict(compiled, pair);
+        if (verdict.kind != VERDICT_RULE || verdict.bottom != hull) continue;
+        const SceneObject *object = report_object(compiled, hull), *body = report_object(compiled, verdict.top);
+        diag_hint(r->diag, report,
+                  "%s is on top where both are; to cut %s out of it, put both into difference { ... }, %s first, or give %s a larger priority",
+                  body->name, object->name, body->name, object->name);
+        return;
+    }
+}
+
 static void remark_indifferent(Remarks *r)
 {
     const CompiledScene *compiled = r->compiled;
@@ -145,9 +162,10 @@ static void remark_indifferent(Remarks *r)
         if ((!suspect[h] && !clear) || is_one_of_many(r, h)) continue;
         if (report_look_at(compiled, &r->probe, h, n_lines) != REPORT_INDIFFERENT || !tally_next(&tally)) continue;
         const SceneObject *object = report_object(compiled, h);
-        diag_report(r->diag, D_INVISIBLE_OBJECT, object->span,
-                    "nothing would change without %s: it is of %s, and so is all that it is in", object->name,
-                    medium->name);
+        Diagnostic *report = diag_report(r->diag, D_INVISIBLE_OBJECT, object->span,
+                                         "nothing would change without %s: it is of %s, and so is all that it is in",
+                                         object->name, medium->name);
+        hint_at_cut(r, report, h);
     }
     tally_end(r, &tally);
     free(suspect);
