@@ -238,6 +238,18 @@ grep -qx 'frame 2' err && flunk 'print is not quiet'
 says err 'warning: careful'
 run render moving.mns --werror
 exits 3
+# of what is never used, too, and of a frame that is rendered
+sed '$d' moving.mns > unused.mns
+echo 'use "std/media.mns" as media' >> unused.mns
+for options in '--frames 2..3' '--frames 3' '--frames 2..3 --skip-existing'; do
+    run render unused.mns $options
+    exits 0
+    [ "$(grep -c unused-name err)" -le 1 ] || flunk "the warning stands there more than once"
+    says_not err 'frame 1:'
+done
+run render unused.mns --frames 2..3 -q
+[ "$(grep -c unused-name err)" = 1 ] || flunk "the warning is not there once"
+matches err '^unused\.mns, frame 2: 1 warning$'
 end
 
 begin "check: each mistake once, with its frames; the report is of the first frame"
