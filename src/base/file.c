@@ -134,6 +134,17 @@ char *file_folder(const char *path)
     return folder;
 }
 
+bool file_lies_in(const char *path, const char *folder)
+{
+    char *real = file_real_path(path), *real_folder = file_real_path(*folder ? folder : ".");
+    size_t n = real_folder ? strlen(real_folder) : 0;
+    bool inside = real && real_folder && strncmp(real, real_folder, n) == 0 &&
+                  (real[n] == '/' || (n && real_folder[n - 1] == '/'));
+    free(real);
+    free(real_folder);
+    return inside;
+}
+
 const char *file_name(const char *path)
 {
     const char *slash = strrchr(path, '/');

@@ -44,6 +44,8 @@ void file_abandon(FileOut *out); /* close and delete; safe after a failed create
 char *file_folder(const char *path);
 /* malloc'd absolute path without symbolic links, "." and ".."; NULL when there is no such file */
 char *file_real_path(const char *path);
+/* whether there is such a file in the folder ("": the current one) or below, with all links followed */
+bool file_lies_in(const char *path, const char *folder);
 /* the path without its folder */
 const char *file_name(const char *path);
 /* the extension without its dot, in the path's own letters; "" when it has none */

@@ -23,6 +23,8 @@ void report_endless(const CompiledScene *compiled, Diag *diag);
 void report_small_volumes(const CompiledScene *compiled, Diag *diag);
 /* And of each mesh of which a part lies within another and faces outward. */
 void report_nested_parts(const CompiledScene *compiled, Diag *diag);
+/* And of what mesh files say of their materials, which is not taken, where it is of several and all of the mesh of one. */
+void report_mesh_materials(const CompiledScene *compiled, Diag *diag);
 /* Adds warnings of closed meshes that cross or overlap themselves. Takes about half a second for a million triangles. */
 ATTR_NODISCARD Status report_mesh_crossings(const CompiledScene *compiled, Pool *pool, Diag *diag, Error *error);
 /* And remarks: what is as likely meant as not, such as sizes that do not go together. Call it after the warnings. */

@@ -1,4 +1,4 @@
-/* report_meshes.c - meshes that cross themselves, and those whose parts overlap.
+/* report_meshes.c - meshes that cross themselves, those whose parts overlap, and materials of their files.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <stdlib.h>
 
@@ -126,6 +126,28 @@ void report_nested_parts(const CompiledScene *compiled, Diag *diag)
     for (uint32_t i = 0; done && i < scene->n_objects; i++)
         if (is_first_of_mesh(scene, &scene->objects[i], done, &whole) && scene->shapes[whole].parts.n_within)
             warn_of_nested(&scene->objects[i], &scene->shapes[whole].parts, diag);
+    free(done);
+}
+
+void report_mesh_materials(const CompiledScene *compiled, Diag *diag)
+{
+    const Scene *scene = compiled->scene;
+    bool *done = calloc(scene->n_shapes + 1U, sizeof *done);
+    for (uint32_t i = 0; done && i < scene->n_objects; i++) {
+        const SceneObject *object = &scene->objects[i];
+        if (object->shape == SCENE_NONE) continue;
+        uint32_t layer_of = scene->shapes[object->shape].layer_of, at = layer_of == SCENE_NONE ? object->shape : layer_of;
+        const SceneShape *shape = &scene->shapes[at];
+        if (shape->n_materials < 2 || done[at]) continue;
+        done[at] = true;
+        Diagnostic *report =
+            diag_report(diag, D_MESH_MATERIALS, object->span,
+                        "all of %s is of one material; what '%s' says of %s is not taken", object->name, shape->file,
+                        shape->materials);
+        diag_hint(diag, report,
+                  "where they matter, make a mesh of each part = \"...\", with its own surface or interior; 'meniscus info %s' lists them",
+                  shape->file);
+    }
     free(done);
 }
 

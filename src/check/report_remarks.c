@@ -716,6 +716,7 @@ void report_remarks(const CompiledScene *compiled, Diag *diag)
         remark_covered_cameras(&r);
         remark_beyond_poles(&r);
         remark_many_scatterings(&r);
+        report_mesh_materials(compiled, diag);
     }
     probe_clear(&r.probe);
     report_groups_clear(&r.groups);

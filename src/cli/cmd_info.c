@@ -82,18 +82,38 @@ static void describe_parts(const MeshSource *source, Facts *facts)
     }
     for (size_t i = 0; i < source->n_parts; i++) {
         const MeshPart *part = &source->parts[i];
+        const char *said = strcmp(part->kind, "material") == 0 ? mesh_source_said(source, part->name) : NULL;
         if (facts->as_json) {
             json_begin_object(&facts->json);
             json_add_text(&facts->json, "kind", part->kind);
             json_add_text(&facts->json, "name", part->name);
             json_add_number(&facts->json, "triangles", (double)part->n_triangles);
+            if (said) json_add_text(&facts->json, "material", said);
             json_end(&facts->json);
         } else {
-            buf_format(facts->out, "%-*s '%s', %llu triangles\n", NAME_COLUMNS, part->kind, part->name,
-                       (unsigned long long)part->n_triangles);
+            buf_format(facts->out, "%-*s '%s', %llu triangles%s%s\n", NAME_COLUMNS, part->kind, part->name,
+                       (unsigned long long)part->n_triangles, said ? ": " : "", said ? said : "");
         }
     }
     if (facts->as_json) json_end(&facts->json);
+}
+
+/* Materials are not taken, which nobody would see before the picture. */
+static void describe_materials(const char *path, const MeshSource *source, Facts *facts)
+{
+    if (!source->n_materials) return;
+    const char *named = NULL;
+    for (size_t i = 0; i < source->n_parts && !named; i++)
+        if (strcmp(source->parts[i].kind, "material") == 0) named = source->parts[i].name;
+    Buf text = {0};
+    buf_format(&text, "mesh { file = \"%s\"", file_name(path));
+    if (named) buf_format(&text, "  part = \"%s\"", named);
+    buf_add(&text, "  surface = ... }, or interior = ... of what is clear");
+    add_number(facts, "materials not taken", (double)source->n_materials);
+    for (size_t i = 0; i < source->n_materials && !facts->as_json; i++)
+        if (!*source->materials[i].name) add_fact(facts, "one without a name", source->materials[i].said);
+    add_fact(facts, "write for each part", buf_text(&text));
+    buf_clear(&text);
 }
 
 static Status describe_mesh(const char *path, Facts *facts, Error *error)
@@ -114,6 +134,7 @@ static Status describe_mesh(const char *path, Facts *facts, Error *error)
     if (status == STATUS_OK && report.closed) status = mesh_find_parts(mesh, NULL, &parts, error);
     if (status == STATUS_OK) {
         describe_parts(&source, facts);
+        describe_materials(path, &source, facts);
         if (source.unit_m > 0) add_number(facts, "unit in metres", source.unit_m);
         add_number(facts, "vertices", mesh->n_vertices);
         add_number(facts, "triangles", mesh->n_triangles);

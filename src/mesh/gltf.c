@@ -320,7 +320,10 @@ Status mesh_load_gltf(const char *path, MeshSource *source, Mesh **mesh, Error *
     Status status = gltf_open(&gltf);
     if (status == STATUS_OK) status = walk_scene(&walk);
     if (status == STATUS_OK) status = join(&walk, mesh);
-    if (status == STATUS_OK && source) source->unit_m = 1;
+    if (status == STATUS_OK && source) {
+        source->unit_m = 1;
+        gltf_list_materials(&gltf, source);
+    }
     for (size_t i = 0; i < walk.n_meshes; i++) mesh_free(walk.meshes[i]);
     free(walk.meshes);
     free(walk.visited);

@@ -151,18 +151,6 @@ static int hex_digit(char c)
     return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
 }
 
-/* Whether a file lies in the folder or below, with all links followed. */
-static bool lies_in(const char *path, const char *folder)
-{
-    char *real = file_real_path(path), *real_folder = file_real_path(*folder ? folder : ".");
-    size_t n = real_folder ? strlen(real_folder) : 0;
-    bool inside = real && real_folder && strncmp(real, real_folder, n) == 0 &&
-                  (real[n] == '/' || (n && real_folder[n - 1] == '/'));
-    free(real);
-    free(real_folder);
-    return inside;
-}
-
 /* A file beside the scene's, or in a folder there: never one elsewhere, whatever the name says. */
 static Status read_beside(const Gltf *gltf, const char *uri, GltfBuffer *buffer)
 {
@@ -186,7 +174,7 @@ static Status read_beside(const Gltf *gltf, const char *uri, GltfBuffer *buffer)
         status = gltf_fail(gltf, "its buffer '%.100s' is not a file", uri);
     else if (!file_exists(path))
         status = gltf_fail(gltf, "there is no file '%.200s', which has its numbers", path);
-    else if (!lies_in(path, folder))
+    else if (!file_lies_in(path, folder))
         status = gltf_fail(gltf, "its buffer '%.100s' lies outside of its folder", uri);
     else if (file_kind(path) != FILE_REGULAR)
         status = gltf_fail(gltf, "its buffer '%.100s' is not a regular file", uri);

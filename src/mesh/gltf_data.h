@@ -1,4 +1,4 @@
-/* gltf_data.h - the JSON and the buffers of a glTF file; private to gltf.c and gltf_data.c.
+/* gltf_data.h - the JSON and the buffers of a glTF file; private to gltf*.c.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_GLTF_DATA_H
 #define MEN_GLTF_DATA_H
@@ -41,5 +41,8 @@ ATTR_NODISCARD Status gltf_read_floats(const Gltf *gltf, const json_t *holder, c
                                        size_t *count);
 /* holder.indices, malloc'd. */
 ATTR_NODISCARD Status gltf_read_indices(const Gltf *gltf, const json_t *holder, uint32_t **out, size_t *count);
+
+/* Tells the source what the file's materials say; see gltf_materials.c. */
+void gltf_list_materials(const Gltf *gltf, MeshSource *source);
 
 #endif

@@ -20,7 +20,7 @@ static const struct {
     {"gltf", mesh_load_gltf}, {"glb", mesh_load_gltf},
 };
 
-enum { LONGEST_NAME = 255, MOST_NAMES_SHOWN = 8 };
+enum { LONGEST_NAME = 255, MOST_NAMES_SHOWN = 8, MOST_MATERIALS = 4096 };
 
 bool mesh_has_reader(const char *extension)
 {
@@ -49,6 +49,11 @@ Status mesh_load(const char *path, MeshSource *source, Mesh **mesh, Error *error
 void mesh_source_clear(MeshSource *source)
 {
     for (size_t i = 0; i < source->n_parts; i++) free(source->parts[i].name);
+    for (size_t i = 0; i < source->n_materials; i++) {
+        free(source->materials[i].name);
+        free(source->materials[i].said);
+    }
+    free(source->materials);
     free(source->parts);
     free(source->table);
     *source = (MeshSource){.part = source->part};
@@ -100,6 +105,26 @@ uint32_t mesh_source_part(MeshSource *source, const char *kind, const char *name
     source->parts[source->n_parts++] = (MeshPart){kind, copy, 0};
     source->table[slot] = (uint32_t)source->n_parts;
     return (uint32_t)source->n_parts - 1;
+}
+
+const char *mesh_source_said(const MeshSource *source, const char *material)
+{
+    for (size_t i = 0; i < source->n_materials; i++)
+        if (strcmp(source->materials[i].name, material) == 0) return source->materials[i].said;
+    return NULL;
+}
+
+void mesh_source_material(MeshSource *source, const char *name, size_t length, char *said)
+{
+    if (length > LONGEST_NAME) length = LONGEST_NAME;
+    char *copy = said && *said && source->n_materials < MOST_MATERIALS ? strndup(name, length) : NULL;
+    bool is_new = copy && (!*copy || !mesh_source_said(source, copy));
+    if (is_new && ARRAY_ROOM(source->materials, source->material_capacity, source->n_materials)) {
+        source->materials[source->n_materials++] = (MeshMaterial){copy, said};
+        return;
+    }
+    free(copy);
+    free(said);
 }
 
 bool mesh_source_wants(MeshSource *source, const uint32_t *parts, size_t n, uint64_t n_triangles)

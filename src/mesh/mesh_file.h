@@ -12,6 +12,12 @@ typedef struct MeshPart {
     uint64_t n_triangles;
 } MeshPart;
 
+/* What a file says that parts of it are made of. Nothing of it is taken, and it is kept only to be told. */
+typedef struct MeshMaterial {
+    char *name; /* "": it has none; owned by the source, as what it is said to be: "base colour 0.8 0.1 0.1, index 1.5" */
+    char *said;
+} MeshMaterial;
+
 /* What is asked of a file, and what was found out about it. Starts zeroed, but for `part`. */
 typedef struct MeshSource {
     const char *part; /* only triangles of parts of this name, of whatever kind; NULL: all */
@@ -19,6 +25,8 @@ typedef struct MeshSource {
     size_t n_parts, part_capacity;
     uint32_t *table; /* of part numbers + 1, by kind and name */
     size_t table_room;
+    MeshMaterial *materials; /* those that are said to be something */
+    size_t n_materials, material_capacity;
     double unit_m; /* the length of the file's unit where the format says it; 0: it does not */
 } MeshSource;
 
@@ -43,6 +51,12 @@ ATTR_NODISCARD Status mesh_load_gltf(const char *path, MeshSource *source, Mesh 
 
 /* For readers. The number of the part, new or known; UINT32_MAX when memory ends. The name is cut at 255 bytes. */
 uint32_t mesh_source_part(MeshSource *source, const char *kind, const char *name, size_t length);
+/* A material that is new, and what it is said to be; NULL, where memory ended, and "" are passed over. Takes the text over. */
+void mesh_source_material(MeshSource *source, const char *name, size_t length, char *said);
+/* What a material is said to be; NULL: nothing. */
+const char *mesh_source_said(const MeshSource *source, const char *material);
+/* The materials of an .mtl file, whose name stands in an OBJ file beside it; one that cannot be read has none. */
+void mesh_list_mtl(const char *obj_path, const char *name, MeshSource *source);
 /* Counts triangles that are of n parts (UINT32_MAX: none) and says whether they are wanted. source may be NULL. */
 bool mesh_source_wants(MeshSource *source, const uint32_t *parts, size_t n, uint64_t n_triangles);
 /* Why no triangle is left: no part of that name, one without triangles, or no faces at all. STATUS_INPUT. */

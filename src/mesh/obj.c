@@ -1,5 +1,5 @@
 /* obj.c - reads meshes in Wavefront's OBJ format: v, vt, vn and f. Polygons are fanned; o, g and usemtl name
- * parts; lines, points and free-form surfaces are passed over.
+ * parts, and what mtllib names is listed; lines, points and free-form surfaces are passed over.
  * A corner of a face names its position, texture coordinate and normal separately; a vertex is made for
  * every combination that occurs.
  * SPDX-License-Identifier: Apache-2.0 */
@@ -19,7 +19,7 @@ typedef struct ObjCorner {
 } ObjCorner;
 
 /* What names a part: the statement, and what a message calls it. */
-enum { N_PART_KINDS = 3 };
+enum { N_PART_KINDS = 3, MOST_LIBRARIES = 16 };
 static const struct {
     const char *statement, *kind;
 } part_kinds[N_PART_KINDS] = {{"o", "object"}, {"g", "group"}, {"usemtl", "material"}};
@@ -44,6 +44,7 @@ typedef struct Obj {
     uint32_t *lines; /* per triangle, for messages */
     size_t n_lines, line_capacity;
     bool uses_uvs, uses_normals;
+    unsigned n_libraries; /* of materials, that were looked at */
 } Obj;
 
 static const size_t most_items = UINT32_MAX / 2;
@@ -230,16 +231,34 @@ static bool keyword(Obj *obj, const char *word)
     return true;
 }
 
-/* The rest of the line, without blanks around it, is the name: it may have blanks within. */
-static Status read_part(Obj *obj, int kind)
+/* The rest of the line, without blanks around it: a name may have blanks within. */
+static const char *rest_of_line(const Obj *obj, size_t *length)
 {
     const char *newline = memchr(obj->at, '\n', (size_t)(obj->end - obj->at));
     const char *from = obj->at, *to = newline ? newline : obj->end;
     while (from < to && (unsigned char)*from <= ' ') from++;
     while (from < to && (unsigned char)to[-1] <= ' ') to--;
+    *length = (size_t)(to - from);
+    return from;
+}
+
+static Status read_part(Obj *obj, int kind)
+{
+    size_t length;
+    const char *name = rest_of_line(obj, &length);
     if (!obj->source) return STATUS_OK;
-    obj->parts[kind] = mesh_source_part(obj->source, part_kinds[kind].kind, from, (size_t)(to - from));
-    return obj->parts[kind] == UINT32_MAX ? fail_memory(obj->error, (size_t)(to - from), "a name") : STATUS_OK;
+    obj->parts[kind] = mesh_source_part(obj->source, part_kinds[kind].kind, name, length);
+    return obj->parts[kind] == UINT32_MAX ? fail_memory(obj->error, length, "a name") : STATUS_OK;
+}
+
+/* Exporters say it again for every object. */
+static void read_library(Obj *obj)
+{
+    size_t length;
+    const char *from = rest_of_line(obj, &length);
+    char *name = obj->source && obj->n_libraries++ < MOST_LIBRARIES ? strndup(from, length) : NULL;
+    if (name) mesh_list_mtl(obj->path, name, obj->source);
+    free(name);
 }
 
 static Status read_lines(Obj *obj)
@@ -251,6 +270,7 @@ static Status read_lines(Obj *obj)
         else if (keyword(obj, "vn")) TRY(read_normal(obj));
         else if (keyword(obj, "vt")) TRY(read_uv(obj));
         else if (keyword(obj, "f")) TRY(read_face(obj));
+        else if (keyword(obj, "mtllib")) read_library(obj);
         else
             for (int kind = 0; kind < N_PART_KINDS; kind++)
                 if (keyword(obj, part_kinds[kind].statement)) TRY(read_part(obj, kind));

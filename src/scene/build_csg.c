@@ -173,7 +173,7 @@ static void build_combination(Builder *b, const EvalNode *node, const Affine *to
     }
     const EvalNode *said = find_matter(node);
     const EvalProp *interior = NULL, *surface = NULL, *priority = find_prop(node, "priority");
-    if (!b->only_shapes && !build_matter(b, said ? said : node, &interior, &surface)) return;
+    if (!b->only_shapes && !build_matter(b, said ? said : node, SCENE_NONE, &interior, &surface)) return;
     struct Combination whole = {.node = node, .medium = SCENE_NONE, .surface = SCENE_NONE, .frame = *to_world};
     if (interior || surface) whole.matter_span = (interior ? interior : surface)->span;
     if (surface) whole.surface = build_surface(b, surface->as.node);

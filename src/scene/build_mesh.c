@@ -4,6 +4,7 @@
  * faces that disagree about the outside are turned; each is a warning. Whether the mesh is closed is decided after
  * that, and is an error only for objects with an interior, or for a mesh that states that it is closed.
  * SPDX-License-Identifier: Apache-2.0 */
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -265,6 +266,35 @@ void build_report_open(Builder *b, Span span, const char *name, uint32_t shape)
 
 /* ---- the node ---- */
 
+/* The names of what a file says of its materials. On the stack: an arena that is full jumps over what would free it. */
+typedef struct MaterialNames {
+    char text[400];
+    size_t n;
+} MaterialNames;
+
+static void name_materials(const MeshSource *source, MaterialNames *names)
+{
+    enum { MOST_NAMED = 4, LONGEST = 60 };
+    size_t length = 0, n = names->n = source->n_materials;
+    names->text[0] = 0;
+    for (size_t i = 0; i < n && i < MOST_NAMED; i++) {
+        const char *name = source->materials[i].name, *before = i == 0 ? "" : i + 1 == n ? " and " : ", ";
+        const char *quote = *name ? "'" : "";
+        length += (size_t)snprintf(names->text + length, sizeof names->text - length, "%s%s%.*s%s", before, quote, LONGEST,
+                                   *name ? name : "one without a name", quote);
+    }
+    if (n > MOST_NAMED) snprintf(names->text + length, sizeof names->text - length, " and %zu more", n - MOST_NAMED);
+}
+
+static void note_materials(Builder *b, const EvalProp *file, const MaterialNames *names, const char *part, uint32_t shape)
+{
+    SceneShape *row = &b->scene->shapes[shape];
+    if (!names->n) return;
+    row->file = arena_copy_text(&b->scene->arena, file->as.text, strlen(file->as.text));
+    row->materials = arena_copy_text(&b->scene->arena, names->text, strlen(names->text));
+    row->n_materials = part ? 1 : (uint32_t)names->n; /* who takes a part knows of the others */
+}
+
 static bool load_file(Builder *b, const EvalProp *file, const char *path, const char *part, bool smooth, uint32_t shape,
                       Mesh **mesh)
 {
@@ -272,12 +302,15 @@ static bool load_file(Builder *b, const EvalProp *file, const char *path, const 
     MeshSource source = {.part = part};
     Status status = mesh_load(path, &source, mesh, &error);
     b->facts[shape].file_unit_m = source.unit_m;
+    MaterialNames materials;
+    name_materials(&source, &materials);
     mesh_source_clear(&source);
     if (status == STATUS_OK && !smooth) {
         free((*mesh)->normals);
         (*mesh)->normals = NULL;
     }
     if (status == STATUS_OK) status = mesh_weld(*mesh, b->options->pool, &error);
+    if (status == STATUS_OK) note_materials(b, file, &materials, part, shape);
     if (status == STATUS_INPUT || status == STATUS_SCENE) {
         diag_report(b->diag, file_exists(path) ? D_MESH_INVALID : D_FILE_UNREADABLE, file->span, "%s", error.text);
         return false;

@@ -144,7 +144,7 @@ uint32_t build_add_named(Builder *b, const EvalNode *node, const char *name, uin
     return scene->n_objects++;
 }
 
-bool build_matter(Builder *b, const EvalNode *node, const EvalProp **interior, const EvalProp **surface)
+bool build_matter(Builder *b, const EvalNode *node, uint32_t shape, const EvalProp **interior, const EvalProp **surface)
 {
     *interior = eval_prop(node, "interior");
     *surface = eval_prop(node, "surface");
@@ -152,6 +152,11 @@ bool build_matter(Builder *b, const EvalNode *node, const EvalProp **interior, c
         Diagnostic *report = diag_report(b->diag, D_MISSING_PROPERTY, node->span,
                                          "this %s has neither an interior nor a surface", node->type->name);
         diag_hint(b->diag, report, "clear: interior = a medium; opaque: surface = surface { albedo = .5 }");
+        const SceneShape *row = shape == SCENE_NONE ? NULL : &b->scene->shapes[shape];
+        if (row && row->n_materials)
+            diag_note_nowhere(b->diag, report,
+                              "what '%s' says of its materials, %s, is not taken; 'meniscus info %s' shows it", row->file,
+                              row->materials, row->file);
         return false;
     }
     if (*interior && eval_truth((*interior)->as.node, "mixes")) {
@@ -180,7 +185,7 @@ void build_object(Builder *b, const EvalNode *node, uint32_t shape, const Affine
         if (!build_layered(b, node, shape, to_world, SCENE_NONE)) build_add_object(b, node, shape, to_world);
         return;
     }
-    if (!build_matter(b, node, &interior, &surface)) return;
+    if (!build_matter(b, node, shape, &interior, &surface)) return;
     uint32_t before = b->scene->n_objects, cover = surface ? build_surface(b, surface->as.node) : SCENE_NONE;
     bool layered = interior && build_layered(b, node, shape, to_world, cover);
     if (!layered) build_add_object(b, node, shape, to_world);

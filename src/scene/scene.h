@@ -129,6 +129,9 @@ typedef struct SceneShape { /* geometry that objects share; one of the two */
     MeshParts parts; /* of a mesh whose bodies overlap; n_layers 0: of none, or not known. Where it holds a medium, its
                         * layers are used in its place: shapes that follow each other, see build_layers.c */
     uint32_t layer_of; /* SCENE_NONE, or the mesh that this is a layer of */
+    const char *file;  /* of a mesh whose file says what its parts are made of, which is not taken: that file, as it was given, */
+    const char *materials; /* and these: "'glass', 'label' and 3 more" */
+    uint32_t n_materials;  /* 1 where a part was asked for */
 } SceneShape;
 
 /* A thing in the scene, or an operand of one that is a combination: those follow the combination's own row, which has

@@ -254,6 +254,40 @@ static void parts_are_nodes_meshes_and_materials(void **state)
     mesh_free(mesh);
 }
 
+static void what_materials_are_said_to_be_is_listed(void **state)
+{
+    (void)state;
+    char *text = file_text("\"images\": [{\"uri\": \"label.png\"}, {\"bufferView\": 0}], \"textures\": [{\"source\": 0}, "
+                           "{\"source\": 1}, {}], " NODES,
+                           TETRAHEDRON, DATA);
+    static const char plain[] = "{\"name\": \"amber\"}",
+                      rich[] =
+                          "{\"name\": \"amber\", \"pbrMetallicRoughness\": {\"baseColorFactor\": [1, 0.5, 0, 0.25], "
+                          "\"baseColorTexture\": {\"index\": 0}, \"roughnessFactor\": 0.1}, \"extensions\": "
+                          "{\"KHR_materials_transmission\": {\"transmissionFactor\": 1}, \"KHR_materials_ior\": {\"ior\": "
+                          "1.54}}}, {\"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": 1}}}, {\"name\": "
+                          "\"wrong\", \"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": 7}, \"baseColorFactor\": "
+                          "3, \"metallicFactor\": \"x\"}}";
+    const char *at = strstr(text, plain);
+    assert_non_null(at);
+    Buf changed = {0};
+    buf_format(&changed, "%.*s%s%s", (int)(at - text), text, rich, at + strlen(plain));
+    free(text);
+    write_bytes(in_folder(mesh_name), changed.text, changed.length);
+    buf_clear(&changed);
+    MeshSource source = {0};
+    Mesh *mesh;
+    Error error;
+    assert_int_equal(mesh_load(in_folder(mesh_name), &source, &mesh, &error), STATUS_OK);
+    assert_int_equal(source.n_materials, 3);
+    assert_string_equal(mesh_source_said(&source, "amber"),
+                        "base colour 1 0.5 0, opacity 0.25, picture label.png, roughness 0.1, transmission 1, index 1.54");
+    assert_string_equal(mesh_source_said(&source, ""), "picture within the file");
+    assert_null(mesh_source_said(&source, "green"));
+    mesh_source_clear(&source);
+    mesh_free(mesh);
+}
+
 static void extensions_that_cannot_be_read_are_named(void **state)
 {
     (void)state;
@@ -319,6 +353,7 @@ int main(void)
         cmocka_unit_test(strips_fans_normals_and_uvs_are_read),
         cmocka_unit_test(pictures_stand_upright),
         cmocka_unit_test(parts_are_nodes_meshes_and_materials),
+        cmocka_unit_test(what_materials_are_said_to_be_is_listed),
         cmocka_unit_test(extensions_that_cannot_be_read_are_named),
         cmocka_unit_test(what_does_not_fit_together_is_refused),
         cmocka_unit_test(spoilt_files_do_no_harm),
