@@ -90,6 +90,32 @@ static void remark_exposure(const RenderRun *run, const char *what, int stops)
         talk_remark(run->talk, "%s: give it %.3g times %s light, or film { exposure = %g }", what, factor, more, exposure);
 }
 
+/* From end to end, in metres, without what has no end: what there is, and the camera that looks at it. */
+static double size_of_scene_m(const RenderRun *run)
+{
+    const Scene *scene = run->input.scene;
+    Box3 all = scene_camera_bounds(scene, &scene->cameras[run->settings.camera]);
+    for (uint32_t i = 0; i < scene->n_objects; i++) {
+        Box3 box = scene_object_bounds(scene, &scene->objects[i], NULL);
+        if (!box3_is_empty(box) && !box3_is_unbounded(box)) all = box3_union(all, box);
+    }
+    return box3_is_empty(all) ? 0 : vec3_length(vec3_sub(all.max, all.min)) * scene->unit_m;
+}
+
+/* Lengths that were meant in millimetres and are metres, as nobody said: a lamp of a table then lights a stadium. */
+static void remark_unit(const RenderRun *run)
+{
+    const double large_m = 10;
+    const Scene *scene = run->input.scene;
+    if (scene->has_unit || !(scene->n_lights > 0)) return;
+    double size_m = size_of_scene_m(run);
+    if (size_m >= large_m)
+        talk_remark(run->talk,
+                    "the picture is nearly black, and the first line of its scene has no unit: lengths are metres then, and it is %.3g m "
+                    "across, which a lamp hardly lights; if millimetres are meant, write: meniscus 1.0 unit mm",
+                    size_m);
+}
+
 /* The commonest reason of white is a lamp of so many watts, as in a room, above a table of centimetres; of black one of an
  * intensity of 1 that is metres away. Not of frames behind the first, which may fade. What is meant to be dark has a bright
  * spot somewhere. */
@@ -97,19 +123,21 @@ static void remark_brightness(const RenderRun *run)
 {
     const double black = 1.0 / 64 /* 6 of 255 on a display */, dark = 1.0 / 128, nearly_all = 0.998, grey = 0.18;
     enum { CLIPPED = 3, LEAST_PIXELS = 64 };
-    if (run->n_rendered || !is_displayed(run)) return;
+    if (run->n_rendered) return;
     Brightness brightness = find_brightness(run);
     if (brightness.n < LEAST_PIXELS || !(brightness.mean > 0)) return;
     char what[200];
     int clipped = ilogb(band_at(&brightness, 0.5));
-    if (clipped >= CLIPPED) {
+    bool is_dark = run->stats.samples && brightness.mean < dark && band_at(&brightness, nearly_all) < black;
+    if (is_displayed(run) && clipped >= CLIPPED) {
         snprintf(what, sizeof what, "half of the picture is %d stops or more above white", clipped);
         remark_exposure(run, what, -clipped - 1);
-    } else if (run->stats.samples && brightness.mean < dark && band_at(&brightness, nearly_all) < black) {
+    } else if (is_displayed(run) && is_dark) {
         snprintf(what, sizeof what, "the picture is nearly black: its mean luminance is %.2g, where white is 1",
                  brightness.mean);
         remark_exposure(run, what, (int)lrint(log2(grey / brightness.mean)));
     }
+    if (is_dark) remark_unit(run);
 }
 
 static bool is_black(const Image *image)

@@ -516,6 +516,7 @@ static Status load_and_evaluate(Loader *loader, const char *name, const char *pa
     Override *overrides = ARENA_ARRAY(loader->arena, Override, options->n_overrides);
     for (size_t i = 0; i < options->n_overrides; i++) parse_override(loader, options->overrides[i], &overrides[i]);
     result->unit_m = scene->unit_m;
+    result->has_unit = scene->has_unit;
     Status status = diag->n_errors ? STATUS_SCENE : evaluate(loader, prelude, scene, defines, overrides, result);
     for (size_t i = 0; i < options->n_defines; i++) bare_text_of_define(diag, scene, &defines[i]);
     for (size_t i = 0; i < options->n_overrides; i++) bare_text_of_override(diag, options->schema, &overrides[i]);

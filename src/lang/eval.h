@@ -168,6 +168,7 @@ typedef struct EvalResult {
     EvalNode **settings; /* the NODE_SINGLE ones, also when errors were reported: what was understood of them */
     size_t n_settings;
     double unit_m;    /* metres per scene unit */
+    bool has_unit;    /* the scene's header names it */
     bool is_still;    /* nothing in the texts asks for the clock, the frame or the time */
     const char *const *files; /* paths that were read, the scene first */
     size_t n_files;

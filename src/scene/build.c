@@ -387,6 +387,7 @@ static void build_all(Builder *b)
 {
     Scene *scene = b->scene;
     scene->unit_m = b->result.unit_m;
+    scene->has_unit = b->result.has_unit;
     scene->animation = b->instant.animation;
     scene->frame = b->instant.frame;
     scene->is_still = b->result.is_still;

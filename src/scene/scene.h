@@ -346,6 +346,7 @@ typedef struct Scene {
     uint32_t frame; /* of the animation, that the scene is at */
     bool is_still;  /* nothing in its texts asks for the clock, the frame or the time */
     double unit_m;
+    bool has_unit; /* the scene's header names it; else they are metres */
     const char *const *files; /* everything that was read: scene files, meshes, images */
     uint32_t n_files;
     uint64_t hash; /* of the meaning: equal for scenes that render the same */

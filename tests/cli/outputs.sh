@@ -450,6 +450,30 @@ run render dim.mns -o dim.png --crop 0,0,4,4
 says_not err "nearly black"
 end
 
+begin "a picture that is nearly black, of a large scene whose first line has no unit: what is written if millimetres are meant"
+cat > metres.mns <<'SCENE'
+meniscus 1.0
+sphere { radius = 5  surface = surface { albedo = .5 } }
+light { shape = point  from = <0, 30, 30>  power = 100 }
+camera { from = <0, 0, 60> }
+film { size = <64, 48> }
+render { samples = 4 }
+SCENE
+run render metres.mns -o metres.exr
+exits 0
+matches err 'has no unit: lengths are metres then, and it is 6[0-9.]+ m across, .* write: meniscus 1.0 unit mm$'
+run render metres.mns -o metres.exr -q
+empty err
+for unit in m mm; do
+    sed "1s/\$/ unit $unit/" metres.mns > "$unit.mns"
+    run render "$unit.mns" -o "$unit.exr"
+    says_not err 'has no unit'
+done
+sed 's/power = 100/power = 1000000/' metres.mns > bright.mns
+run render bright.mns -o bright.exr
+says_not err 'has no unit'
+end
+
 begin "a picture that is black all over: a warning, once, but not where the scene has no light, which is said, nor of the rest of a crop"
 small_scene
 { cat small.mns; echo 'box { from = <-99, -99, -99>  to = <99, 99, 99>  surface = surface { } }'; } > black.mns
