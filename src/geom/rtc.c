@@ -215,6 +215,7 @@ ATTR_COLD static bool note_behind(Query *query, uint32_t object)
 
 static bool take_crossing(Query *query, uint32_t object, uint32_t piece, double t, bool leaving)
 {
+    if (UNLIKELY(query->hides) && query->scene->objects[object].hidden) return false;
     if (UNLIKELY(t <= query->t_min)) return note_behind(query, object);
     const Hit *left = rtc_find_left(query->ray, object, piece);
     if (left && is_start(query, left, t, leaving)) return false;
@@ -593,6 +594,7 @@ static void query_init(Query *query, const RtcScene *scene, const Ray *ray, HitL
     query->least_window = 0;
     query->all = query->stop_at_opaque = query->blocked = query->exact = false;
     query->unsure = ray->at_edge;
+    query->hides = ray->sight && scene->has_hidden;
     query->hits = hits;
     query->passed = passed;
     query->passes = passed && (ray->pass_level || ray->pass_alike != RTC_NO_PASS);

@@ -34,6 +34,7 @@ typedef struct RtcObject {
     const Affine *
         keys; /* NULL, or where it is at evenly spread times from 0 to 1: as many as rtc_scene_new is told; not owned */
     const Mesh *mesh_end; /* NULL, or the same triangles with the positions and normals at time 1; linear in between */
+    bool hidden;        /* a ray with sight passes by it as if it were not there; of solids */
     bool opaque;        /* nothing is seen through it: a search for all surfaces along a ray may stop at it */
 } RtcObject;
 
@@ -83,6 +84,7 @@ typedef struct Ray {
     Vec3 nudge;              /* a step of the origin's rounding from there to the side that the ray is on */
     float grain;             /* the largest coordinate of the triangles near the origin; 0: not known */
     float least_slope;       /* the least cosine to a surface that it starts on; INFINITY: to none */
+    bool sight;              /* rtc_nearest: it comes straight from a camera, to which some objects are hidden */
     bool at_edge;            /* the place at t_min, or an earlier one of its line, is within rounding of a triangle's edge, or
                               * of a surface that the ray before started on: Embree may miss what is there */
 } Ray;
@@ -104,7 +106,7 @@ static inline void ray_begin(Ray *ray, Vec3 origin, Vec3f direction)
     ray->nudge = vec3(0, 0, 0);
     ray->grain = 0;
     ray->least_slope = INFINITY;
-    ray->at_edge = false;
+    ray->sight = ray->at_edge = false;
 }
 static inline Ray ray_make(Vec3 origin, Vec3f direction)
 {

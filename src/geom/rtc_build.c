@@ -106,6 +106,7 @@ static Status place_object(RtcPlaced *placed, const RtcObject *object, RtcMaps *
                           .pass_level = RTC_NO_PASS,
                           .pass_alike = RTC_NO_PASS,
                           .opaque = object->opaque,
+                          .hidden = object->hidden,
                           .is_mesh = object->mesh != NULL,
                           .moves = object->keys != NULL};
     if (!affine_invert(&object->to_world, &to_local))
@@ -152,6 +153,7 @@ static Status place_objects(RtcScene *scene, RtcDescribe *describe, const void *
         RtcPlaced *placed = &scene->objects[i];
         TRY(place_object(placed, &object, maps, scene->n_keys, i, error));
         maps += placed->mapped;
+        scene->has_hidden = scene->has_hidden || placed->hidden;
         if (placed->ball) continue;
         if (last && is_same_frame(last, placed)) placed->frame = last->frame;
         last = placed;

@@ -60,6 +60,7 @@ typedef struct RtcPlaced {
     uint32_t stops; /* the classes of rays that it stops, opaque or not */
     uint32_t pass_level, pass_alike; /* see Ray.pass_level */
     bool opaque : 1;
+    bool hidden : 1;
     bool mirrored : 1; /* the transform turns orientation round (instances: normals must be turned too) */
     bool is_mesh : 1;
     bool moves : 1;
@@ -137,6 +138,7 @@ enum { RTC_ALONE = 2 };
 struct RtcScene {
     RTCDevice device;
     RTCScene world;
+    bool has_hidden; /* some objects are hidden to cameras */
     RtcMesh *meshes;
     uint32_t n_meshes;
     _Atomic(struct RtcConvex *) *convex; /* of the mesh objects that may be lone, those that are known to be; see rtc_lone.c */

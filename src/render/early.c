@@ -8,7 +8,7 @@ static void put_mean(const FilmPixel *pixel, float out[CHANNELS])
 {
     double scale = 1.0 / pixel->n;
     for (int c = 0; c < 3; c++) out[c] = (float)((double)pixel->rgb[c] * FILM_UNIT * scale);
-    out[3] = (float)(pixel->alpha * scale);
+    out[3] = film_alpha(pixel);
 }
 
 /* Weights fall linearly with the distance from the lattice's pixels. */

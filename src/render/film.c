@@ -13,6 +13,8 @@
 #define LARGEST_SQUARE 0x1p40
 /* Of sums, in their units: one more sample does not overflow. */
 #define LARGEST_SUM (INT64_C(1) << 62)
+/* A sample's alpha is held at 1 - this, or less than that. */
+static const double most_open = 64;
 
 Status film_init(Film *film, uint32_t width, uint32_t height, Error *error)
 {
@@ -79,7 +81,7 @@ bool film_add(Film *film, uint32_t x, uint32_t y, const float rgb[3], float alph
     for (int i = 0; i < 3; i++) saturated |= hold_sum(&pixel->rgb[i]);
     (void)hold_sum(&pixel->luminance);
     (void)hold_sum(&pixel->squares);
-    pixel->alpha += alpha > 0.5f;
+    pixel->alpha += llrint(fmin(fmax((double)alpha, 1 - most_open), 1) / FILM_UNIT);
     pixel->n++;
     return saturated;
 }
@@ -94,6 +96,11 @@ void film_luminance(const FilmPixel *pixel, double *mean, double *standard_error
     if (pixel->n < 2) return;
     double variance = ((double)pixel->squares * SQUARE_UNIT / n - *mean * *mean) * n / (n - 1);
     *standard_error = sqrt(fmax(variance, 0) / n);
+}
+
+float film_alpha(const FilmPixel *pixel)
+{
+    return pixel->n ? (float)fmax((double)pixel->alpha * FILM_UNIT / pixel->n, 0) : 0;
 }
 
 uint32_t film_first_part(uint32_t n)
@@ -141,7 +148,7 @@ void film_squared_errors(const Film *film, uint32_t x, uint32_t y, float squared
 /* ---- as bytes ---- */
 
 /* No bytes are between its members. */
-_Static_assert(sizeof(FilmPixel) == 8 * (10 + FILM_LADDER) + 8, "the pixels of a film as bytes");
+_Static_assert(sizeof(FilmPixel) == 8 * (11 + FILM_LADDER) + 8, "the pixels of a film as bytes");
 
 void film_save_row(const Film *film, uint32_t x0, uint32_t x1, uint32_t y, Buf *out)
 {
@@ -156,7 +163,8 @@ static bool is_within(int64_t sum, double largest)
 static bool can_be(const FilmPixel *pixel)
 {
     double most = pixel->n * (FILM_LARGEST / FILM_UNIT + 1);
-    bool good = pixel->n <= FILM_MOST_SAMPLES && pixel->alpha <= pixel->n && is_within(pixel->luminance, most) &&
+    bool good = pixel->n <= FILM_MOST_SAMPLES && !pixel->unused &&
+                is_within(pixel->alpha, pixel->n * most_open / FILM_UNIT) && is_within(pixel->luminance, most) &&
                 pixel->squares >= 0 && is_within(pixel->squares, pixel->n * (LARGEST_SQUARE / SQUARE_UNIT + 1));
     for (int i = 0; i < 3; i++) good = good && is_within(pixel->rgb[i], most) && is_within(pixel->first_rgb[i], most);
     for (int i = 0; i <= FILM_LADDER; i++) good = good && is_within(pixel->before[i], most);
@@ -229,7 +237,7 @@ static void resolve_row(void *context, uint32_t y, unsigned worker)
         float *out = image_at(resolve->image, x, y);
         double scale = pixel->n ? 1.0 / pixel->n : 0;
         for (int c = 0; c < 3; c++) out[c] = (float)((double)pixel->rgb[c] * FILM_UNIT * scale);
-        out[3] = (float)(pixel->alpha * scale);
+        out[3] = film_alpha(pixel);
         out[4] = resolve->noise[(size_t)y * resolve->film->width + x];
     }
 }

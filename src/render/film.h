@@ -23,8 +23,9 @@ typedef struct FilmPixel {
      * number that comes next, then for 2^(k-1), ... */
     int64_t before[FILM_LADDER + 1];
     int64_t first_rgb[3]; /* of rgb, what before[0] is of luminance */
-    uint32_t alpha;       /* samples that met something */
-    uint32_t n;
+    int64_t
+        alpha; /* of each sample up to 1, and where chance finds more of what is behind panes than there is, below 0 */
+    uint32_t n, unused;
     uint64_t rays; /* that the samples took: what they cost */
 } FilmPixel;
 
@@ -54,6 +55,8 @@ static inline void film_add_rays(Film *film, uint32_t x, uint32_t y, uint64_t ra
 /* Mean luminance of a pixel and its standard error as if its samples were independent, an upper bound; error < 0 with fewer
  * than 2. */
 void film_luminance(const FilmPixel *pixel, double *mean, double *standard_error);
+/* How much of what is behind the picture a pixel covers: 0 .. 1. */
+float film_alpha(const FilmPixel *pixel);
 /* What the means of a pixel's first samples and of its others, two pictures of one thing, say of the error: |difference|,
  * scaled so that over the square root of the number of samples it stands for the absolute error of a mean over them, if they
  * were independent; see evenness.h. It is right in the mean over pixels, not for one; < 0 with fewer than 2 samples. */

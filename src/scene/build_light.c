@@ -25,10 +25,10 @@ typedef struct LightShape {
 } LightShape;
 
 static const LightShape shapes[] = {
-    {"quad", LIGHT_RECT, "|size|to|", "|size|to|angle|blend|radiance|power|color|"},
-    {"disc", LIGHT_DISC, "|radius|to|", "|radius|to|angle|blend|radiance|power|color|"},
-    {"sphere", LIGHT_SPHERE, "|radius|", "|radius|radiance|power|color|"},
-    {"distant", LIGHT_DISTANT, "|to|", "|to|angle|radiance|power|color|"},
+    {"quad", LIGHT_RECT, "|size|to|", "|size|to|angle|blend|radiance|power|color|visible|"},
+    {"disc", LIGHT_DISC, "|radius|to|", "|radius|to|angle|blend|radiance|power|color|visible|"},
+    {"sphere", LIGHT_SPHERE, "|radius|", "|radius|radiance|power|color|visible|"},
+    {"distant", LIGHT_DISTANT, "|to|", "|to|angle|radiance|power|color|visible|"},
     {"point", LIGHT_POINT, "|", "|intensity|profile|to|power|color|"},
     {"spot", LIGHT_POINT, "|to|", "|to|angle|blend|intensity|power|color|"},
     {"portal", LIGHT_PORTAL, "|size|to|", "|size|to|"},
@@ -67,6 +67,8 @@ static void hint_at_shape(Builder *b, Diagnostic *report, const LightShape *shap
     const char *name = prop->type->name;
     if (shape->kind == LIGHT_PORTAL)
         diag_hint(b->diag, report, "it does not shine by itself: the light is the environment's");
+    else if (strcmp(name, "visible") == 0)
+        diag_hint(b->diag, report, "it has no size, and is not seen");
     else if (strcmp(name, "radiance") == 0)
         diag_hint(b->diag, report, "it has no surface: give its 'intensity', or its 'power'");
     else if (strcmp(name, "intensity") == 0 && is_named(shape->takes, "radiance"))
@@ -83,7 +85,7 @@ static void hint_at_shape(Builder *b, Diagnostic *report, const LightShape *shap
 static bool check_properties(Builder *b, const EvalNode *node, const LightShape *shape)
 {
     static const char *const names[] = {"size",  "radius", "to",       "angle",     "blend",
-                                        "color", "power",  "radiance", "intensity", "profile"};
+                                        "color", "power",  "radiance", "intensity", "profile", "visible"};
     bool fine = build_exclude(b, node, "radiance", "power") && build_exclude(b, node, "intensity", "power");
     for (size_t i = 0; i < COUNT_OF(names); i++) {
         const EvalProp *prop = eval_prop(node, names[i]);
@@ -227,7 +229,8 @@ void build_light(Builder *b, const EvalNode *node, const Affine *to_world)
                         .span = build_author_place(b, node),
                         .object = SCENE_NONE,
                         .motion = SCENE_NONE,
-                        .identity = b->where};
+                        .identity = b->where,
+                        .hidden = !eval_truth(node, "visible")};
     double scale = light.kind == LIGHT_DISTANT ? 1 : affine_even_scale(to_world, 1e-6);
     Affine frame;
     if (!check_properties(b, node, shape) || !local_frame(b, node, &frame, &light.hangs)) return;

@@ -87,6 +87,7 @@ static RtcObject describe_object(const void *context, uint32_t i)
     RtcObject described = {.to_world = object->to_world,
                            .opaque = compiled->hull_of_object[i] == SCENE_NONE && !scene_is_pane(scene, i)};
     if (object->shape == SCENE_NONE) return described; /* a combination: its operands have the geometry */
+    described.hidden = object->light != SCENE_NONE && scene->lights[object->light].hidden;
     described.mesh = scene->shapes[object->shape].mesh;
     described.solid = scene->shapes[object->shape].solid;
     described.mesh_end = scene->shapes[object->shape].mesh_end;

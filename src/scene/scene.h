@@ -206,6 +206,7 @@ typedef struct SceneLight {
     uint32_t motion; /* of LIGHT_POINT, as SceneObject's; others move with their object */
     uint64_t identity;
     Affine to_world;             /* rigid: rotation and translation */
+    bool hidden;                 /* the camera looks past it */
     bool hangs;                  /* along its node's y axis: how it is turned about its own is of no meaning */
     Vec3 towards;                /* LIGHT_DISTANT: unit, from the scene to the light */
     double cos_angle;            /* LIGHT_DISTANT: of the cone's half angle */
@@ -340,6 +341,7 @@ typedef struct Scene {
     uint32_t n_cameras;
     Environment *environment;    /* NULL: black */
     Affine world_to_environment; /* rotation */
+    bool environment_hidden;     /* the camera, looking straight at it, sees nothing */
     SceneFilm film;
     SceneRender render;
     SceneAnimation animation;

@@ -337,6 +337,7 @@ static void add_lights(Hasher *h, const Scene *scene)
         add_spectrum(h, &light->radiance);
         add_number(h, light->half_width);
         add_number(h, light->half_height);
+        if (light->hidden) add_integer(h, light->hidden);
         if (light->kind == LIGHT_POINT || light->kind == LIGHT_PORTAL) add_map(h, &light->to_world);
         if (light->kind == LIGHT_POINT || light_is_focused(light)) {
             add_number(h, light->cos_full);
@@ -360,6 +361,7 @@ static void add_lights(Hasher *h, const Scene *scene)
 uint64_t scene_light_hash(const SceneLight *light)
 {
     Hasher h = {5};
+    add_integer(&h, light->hidden);
     add_spectrum(&h, &light->radiance);
     add_number(&h, light->cos_full);
     add_number(&h, light->cos_none);
@@ -403,6 +405,13 @@ static uint64_t hash_of_rows(const uint64_t *rows, uint32_t n)
     return hash_bulk(rows, n * sizeof *rows, n);
 }
 
+static void add_environment(Hasher *h, const Scene *scene)
+{
+    if (!scene->environment) return;
+    add_map(h, &scene->world_to_environment);
+    if (scene->environment_hidden) add_integer(h, scene->environment_hidden);
+}
+
 static void hash_parts(Scene *scene, const Rows *rows, uint64_t environment_hash)
 {
     Hasher objects = {hash_of_rows(rows->shapes, scene->n_shapes)}, lights = {0}, cameras = {0}, sky = {environment_hash};
@@ -417,7 +426,7 @@ static void hash_parts(Scene *scene, const Rows *rows, uint64_t environment_hash
     add_frames(&objects, scene);
     add_lights(&lights, scene);
     add_cameras(&cameras, scene);
-    if (scene->environment) add_map(&sky, &scene->world_to_environment);
+    add_environment(&sky, scene);
     scene->part_hashes[SCENE_PART_OBJECTS] = objects.state;
     scene->part_hashes[SCENE_PART_MEDIA] = hash_of_rows(rows->media, scene->n_media);
     scene->part_hashes[SCENE_PART_SURFACES] = hash_of_rows(rows->surfaces, scene->n_surfaces);
@@ -438,7 +447,7 @@ uint64_t scene_hash(Scene *scene, uint64_t environment_hash, Arena *scratch)
     add_lights(&h, scene);
     add_cameras(&h, scene);
     add_integer(&h, environment_hash);
-    if (scene->environment) add_map(&h, &scene->world_to_environment);
+    add_environment(&h, scene);
     add_integer(&h, scene->film.width);
     add_integer(&h, scene->film.height);
     add_integer(&h, scene->film.box);

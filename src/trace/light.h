@@ -85,11 +85,12 @@ static inline float light_choice(const World *world, const LightChoices *choices
     return choices->near * light_tree_probability(world->emitters.tree, emitter, from, normal);
 }
 
-/* What comes from infinity along direction: environment and distant lights, each with its density. A call
+/* What comes from infinity along direction: environment and distant lights, each with its density; sight: those that are hidden to
+ * cameras do not count. A call
  * with weight_pdf >= 0 weights each by the balance heuristic against that density (per steradian) of the
  * caller's own sampling from there with these choices and that normal, see light_sample; weight_pdf < 0 takes all of it. */
 Lanes light_from_infinity(const World *world, const LightChoices *choices, Vec3 from, Vec3f normal, Vec3f direction,
-                          float weight_pdf, Lanes wavelength_nm);
+                          bool sight, float weight_pdf, Lanes wavelength_nm);
 
 /* The environment's part of light_sample, without the choice of the environment itself: by the environment's own
  * brightness, or through one of the portals that are seen from there. pdf_w is the density of all these ways together. */

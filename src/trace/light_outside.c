@@ -161,11 +161,11 @@ static bool is_within(const SceneLight *light, Vec3f direction)
 }
 
 Lanes light_from_infinity(const World *world, const LightChoices *choices, Vec3 from, Vec3f normal, Vec3f direction,
-                          float weight_pdf, Lanes wavelength_nm)
+                          bool sight, float weight_pdf, Lanes wavelength_nm)
 {
     const Scene *scene = world->scene;
     Lanes sum = lanes_all(0);
-    if (scene->environment) {
+    if (scene->environment && !(sight && scene->environment_hidden)) {
         bool weighed = weight_pdf >= 0 && choices->environment > 0;
         Vec3f local = environment_width(scene->environment) > 0 ? to_environment(world, direction) : direction;
         float pdf = 0;
@@ -176,7 +176,7 @@ Lanes light_from_infinity(const World *world, const LightChoices *choices, Vec3 
     }
     for (uint32_t i = 0; world->has_distant && i < scene->n_lights; i++) {
         const SceneLight *light = &scene->lights[i];
-        if (light->kind != LIGHT_DISTANT || !is_within(light, direction)) continue;
+        if (light->kind != LIGHT_DISTANT || (sight && light->hidden) || !is_within(light, direction)) continue;
         float pdf = choices->of_light[i] * sampling_cone_pdf((float)(1 - light->cos_angle));
         sum =
             lanes_add(sum, lanes_scale(spectrum_at(&light->radiance, wavelength_nm), weight_against(weight_pdf, pdf)));

@@ -217,8 +217,26 @@ static bool pass_noting(Path *path, Event *event)
     return goes_on;
 }
 
-/* Returns whether the first ray met anything. */
-static bool follow(Path *path, bool first)
+/* The path leaves the scene. */
+static void find_infinity(Path *path)
+{
+    Tracer *tracer = path->tracer;
+    const World *world = tracer->world;
+    const Scene *scene = world->scene;
+    bool sight = path->ray.sight;
+    if (sight && (!scene->environment || scene->environment_hidden))
+        path->open = lanes_mean(path->beta) / lanes_mean(path->ratio);
+    Lanes radiance =
+        light_from_infinity(world, path->scatter_lights, path->scatter_point, path->scatter_normal, path->ray.direction,
+                            sight, path->scatter_pdf / (1 + airlight_rival_far(path)), path->wavelengths.nm);
+    path_add_radiance(path, lanes_all(path_found_part(path, lanes_mean(radiance))),
+                      path_basic_radiance(world, radiance, WORLD_MEDIUM, path->wavelengths.nm));
+    /* out here the ray is in nothing that is bounded, or a surface was lost */
+    if (world->compiled->order.policy != NEST_NONE)
+        tracer->counters.nesting_faults += compiled_bounded_in(world->compiled, &tracer->list);
+}
+
+static void follow(Path *path, bool first)
 {
     Tracer *tracer = path->tracer;
     const World *world = tracer->world;
@@ -237,24 +255,17 @@ static bool follow(Path *path, bool first)
         clear = clear && event.kind == EVENT_BOUNDARY;
         if (UNLIKELY(first && tracer->notes_sight && !world->scatters)) note_first_sight(path, &event);
         if (event.kind == EVENT_LOST) tracer->out_of_memory = true;
-        if (event.kind == EVENT_LOST || event.kind == EVENT_GIVE_UP) return true;
+        if (event.kind == EVENT_LOST || event.kind == EVENT_GIVE_UP) return;
         if (event.kind == EVENT_ESCAPE) {
-            Lanes radiance = light_from_infinity(
-                world, path->scatter_lights, path->scatter_point, path->scatter_normal, path->ray.direction,
-                path->scatter_pdf / (1 + airlight_rival_far(path)), path->wavelengths.nm);
-            path_add_radiance(path, lanes_all(path_found_part(path, lanes_mean(radiance))),
-                              path_basic_radiance(world, radiance, WORLD_MEDIUM, path->wavelengths.nm));
-            /* out here the ray is in nothing that is bounded, or a surface was lost */
-            if (world->compiled->order.policy != NEST_NONE)
-                tracer->counters.nesting_faults += compiled_bounded_in(world->compiled, &tracer->list);
-            return !first;
+            find_infinity(path);
+            return;
         }
         if (path->n_counted >= world->max_bounces && event.kind != EVENT_SCATTER) {
             if (event.kind == EVENT_OPAQUE) path_add_emission(path, &event.hit); /* the last surface may still shine */
-            return true;
+            return;
         }
-        if (event.kind == EVENT_SCATTER && path->probing.is_probe) return true;
-        if (UNLIKELY(notes) ? !pass_noting(path, &event) : !pass_event(path, &event)) return true;
+        if (event.kind == EVENT_SCATTER && path->probing.is_probe) return;
+        if (UNLIKELY(notes) ? !pass_noting(path, &event) : !pass_event(path, &event)) return;
     }
 }
 
@@ -263,12 +274,11 @@ void path_follow(Path *path)
     follow(path, false);
 }
 
-bool path_follow_from_camera(Path *path)
+void path_follow_from_camera(Path *path)
 {
-    bool met = follow(path, true);
+    follow(path, true);
     if (UNLIKELY(path->tracer->backdrop)) backdrop_end(path->tracer->backdrop, path);
     if (UNLIKELY(path_shows_front(path))) path->tracer->seen = path->scatters_in_front;
-    return met;
 }
 
 void path_follow_from_event(Path *path, Event *event)

@@ -119,8 +119,9 @@ typedef struct FilmPoint {
     uint32_t width, height;
 } FilmPoint;
 
-/* Radiance and coverage of one sample of a pixel. rgb: linear working space; alpha: 1 unless the camera's
- * ray met nothing and there is no environment, or nothing is to be seen there. Faults of this path are added to *faults (may be NULL). */
+/* Radiance and coverage of one sample of a pixel. rgb: linear working space; alpha: 1 - what would come through of a picture behind
+ * this one: 1 where an environment is seen, and anything that does not let light straight on; 0 where nothing is. Where chance decides
+ * what a path meets, only its mean is between 0 and 1. Faults of this path are added to *faults (may be NULL). */
 void trace_sample(Tracer *tracer, uint32_t x, uint32_t y, uint32_t width, uint32_t height, uint32_t seed,
                   uint32_t index, float rgb[3], float *alpha);
 

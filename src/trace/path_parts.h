@@ -73,6 +73,8 @@ typedef struct Path {
     float cone_width,
         cone_spread; /* of a cone around the path: see texture_shade.c. Kept where the world has textures */
     bool cone_bent;  /* it has gone through a boundary, or off a mirror */
+    float
+        open; /* what part of the light that it looks for is the backdrop's of the picture: see path_follow_from_camera */
     bool straight;   /* media do not scatter it: it only looks what is there */
     bool looks;      /* for light that media scatter towards it */
     bool is_photon;  /* it comes from a lamp, and looks for none */
@@ -345,8 +347,10 @@ static inline float path_found_part(Path *path, float radiance)
 }
 /* Follows a path to its end, from where it is (path.c). */
 void path_follow(Path *path);
-/* The same from the camera; returns whether its ray meets anything. */
-bool path_follow_from_camera(Path *path);
+/* The same from the camera. Where the path leaves the scene straight on, past nothing but panes and media, and no environment is to be
+ * seen there, path->open is what it still carries, as a mean over wavelengths: so much would come through of another picture behind
+ * this one. Else it is 0. */
+void path_follow_from_camera(Path *path);
 /* And from an event that it has come to. */
 void path_follow_from_event(Path *path, Event *event);
 /* Keeps what the second path of its sample needs, in path->fork (sample.c). */

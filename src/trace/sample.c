@@ -130,12 +130,9 @@ static void set_colors(Path *path, IndexLanes lanes)
     path->color = path->colors[path->again];
 }
 
-/* What became of the ray from the camera. */
-typedef enum CameraRay { RAY_MET, RAY_ESCAPED, RAY_NONE } CameraRay;
-
-/* fork: where the second path is to begin; NULL: this is the second one. */
-static CameraRay follow_path(Tracer *tracer, const PixelSampler *pixel, FilmPoint point,
-                             const WavelengthSample *wavelengths, IndexLanes lanes, PathFork *fork, Path *path)
+/* fork: where the second path is to begin; NULL: this is the second one. False where there is nothing to look at. */
+static bool follow_path(Tracer *tracer, const PixelSampler *pixel, FilmPoint point, const WavelengthSample *wavelengths,
+                        IndexLanes lanes, PathFork *fork, Path *path)
 {
     const World *world = tracer->world;
     path_init(path, tracer, pixel->sampler);
@@ -160,14 +157,17 @@ static CameraRay follow_path(Tracer *tracer, const PixelSampler *pixel, FilmPoin
     if (UNLIKELY(!camera_ray(camera, point, lens, &path->ray, &footprint))) {
         tracer->seen = SCENE_NONE;
         tracer->first_sight = (FirstSight){.object = SCENE_NONE, .medium = SCENE_NONE};
-        return RAY_NONE;
+        return false;
     }
     path->ray.time = time;
+    path->ray.sight = true;
     path->cone_width = footprint.width;
     path->cone_spread = footprint.spread;
-    if (LIKELY(start_list(path, camera))) return path_follow_from_camera(path) ? RAY_MET : RAY_ESCAPED;
-    tracer->out_of_memory = true;
-    return RAY_MET;
+    if (LIKELY(start_list(path, camera)))
+        path_follow_from_camera(path);
+    else
+        tracer->out_of_memory = true;
+    return true;
 }
 
 /* The second path begins where the wavelengths part, as up to there it would be the first one. Where a probe has parted before, or
@@ -233,12 +233,12 @@ void trace_sample(Tracer *tracer, uint32_t x, uint32_t y, uint32_t width, uint32
     Path path;
     PathFork fork;
     fork.kept = false;
-    CameraRay ray = follow_path(tracer, pixel, point, &wavelengths, lanes, &fork, &path);
+    bool looks = follow_path(tracer, pixel, point, &wavelengths, lanes, &fork, &path);
     tracer->counters.paths++;
     if (path.bent_apart && lanes.first >= 0)
         path.radiance =
             share_out(path.radiance, follow_again(tracer, pixel, point, &wavelengths, lanes, &fork, &path), lanes);
-    *alpha = ray == RAY_MET || (ray == RAY_ESCAPED && world->scene->environment) ? 1 : 0;
+    *alpha = looks ? 1 - path.open : 0;
     color_from_lanes(path.radiance, &wavelengths, rgb);
     if (UNLIKELY(!isfinite(rgb[0]) || !isfinite(rgb[1]) || !isfinite(rgb[2]))) {
         tracer->counters.bad_samples++;

@@ -149,8 +149,9 @@ static bool scatter(Path *path, Event *event, Bsdf *bsdf, const SurfacePlace *pl
     if (sample.transmitted && event->kind == EVENT_OPAQUE && !cross_opaque(path, event)) return false;
     float hero = lanes_get(sample.pdf_w, 0);
     if (!(hero > 0) || lanes_zero(sample.weight)) return false;
-    *straight = sample.specular && sample.transmitted && event->kind == EVENT_OPAQUE &&
-                scene_is_pane(path->tracer->world->scene, event->hit.object);
+    bool on = sample.specular && sample.transmitted && event->kind == EVENT_OPAQUE;
+    const bool sight = UNLIKELY(on) && path->ray.sight && vec3f_dot(direction, path->ray.direction) > 1 - 0x1p-16f;
+    *straight = on && scene_is_pane(path->tracer->world->scene, event->hit.object);
     if (UNLIKELY(*straight)) {
         direction = path->ray.direction;
     } else {
@@ -166,6 +167,7 @@ static bool scatter(Path *path, Event *event, Bsdf *bsdf, const SurfacePlace *pl
     path->beta = lanes_mul(path->beta, sample.weight);
     path->ratio = lanes_mul(path->ratio, lanes_scale(sample.pdf_w, 1 / hero));
     path_leave(path, event, place, sample.transmitted, direction);
+    path->ray.sight = sight;
     return true;
 }
 

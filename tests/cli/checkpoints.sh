@@ -196,6 +196,12 @@ sed 's/fov = 30/fov = 31/' kept.mns > other.mns
 changed ': its cameras (' other.mns
 sed 's/film/environment { color = .1 }\nfilm/' kept.mns > other.mns
 changed 'its environment' other.mns
+sed 's/film/environment { color = .1  visible = false }\nfilm/' kept.mns > hidden.mns
+run render other.mns -o b.exr -s 16000000 -t 0.3 --checkpoint 1h -q
+exits 75
+run render hidden.mns -o b.exr -s 16000000 -t 0.3 --resume
+exits 4
+says err 'its environment'
 sed 's/sphere ball/\/\/ another text, the same scene\nsphere ball/' kept.mns > other.mns
 run render other.mns -o a.exr -s 16000000 -t 0.3 --resume
 exits 75

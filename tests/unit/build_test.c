@@ -724,6 +724,11 @@ static void the_hash_is_of_the_meaning(void **state)
     assert_true(hash_of("medium g { ior = 1.5 state = solid } sphere { interior = glass } sphere { interior = g center "
                         "= <1, 0, 0> }") !=
                 hash_of("sphere { interior = glass } sphere { interior = glass center = <1, 0, 0> }"));
+    /* what the camera does not see */
+    assert_true(hash_of("light { shape = distant to = <1, 0, 0> visible = false }") !=
+                hash_of("light { shape = distant to = <1, 0, 0> visible = true }"));
+    assert_true(hash_of("light { shape = distant to = <1, 0, 0> }") ==
+                hash_of("light { shape = distant to = <1, 0, 0> visible = true }"));
     /* lines between the wavelengths that tables keep */
     assert_true(hash_of("light { shape = distant to = <1, 0, 0> color = spectrum([<583, 0>, <583.1, 1>, <583.2, 0>]) }") !=
                 hash_of("light { shape = distant to = <1, 0, 0> color = spectrum([<583, 0>, <583.15, 1>, <583.2, 0>]) }"));

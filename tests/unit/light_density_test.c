@@ -56,8 +56,9 @@ static Lanes some_wavelengths(void)
 /* What light_from_infinity weighs light with, found from the weight: w / (w + pdf). */
 static double density_outside(const World *world, Vec3 from, Vec3f normal, Vec3f direction)
 {
-    Lanes all = light_from_infinity(world, world_lights(world), from, normal, direction, -1, some_wavelengths());
-    Lanes weighted = light_from_infinity(world, world_lights(world), from, normal, direction, 1, some_wavelengths());
+    Lanes all = light_from_infinity(world, world_lights(world), from, normal, direction, false, -1, some_wavelengths());
+    Lanes weighted =
+        light_from_infinity(world, world_lights(world), from, normal, direction, false, 1, some_wavelengths());
     if (lanes_zero(all)) return 0;
     return (double)lanes_get(all, 0) / (double)lanes_get(weighted, 0) - 1;
 }
