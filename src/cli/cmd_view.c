@@ -56,7 +56,8 @@ typedef struct Viewed {
 static void layer_of_aov(Aov aov, char layer[LAYER_NAME_SIZE])
 {
     const char *channels = aov_channels(aov);
-    size_t length = strchr(channels, '|') ? strcspn(channels, ".") : strlen(channels);
+    size_t length = strcspn(channels, "|");
+    while (channels[length] && length > 0 && channels[length] != '.') length--; /* a single channel is the layer */
     snprintf(layer, LAYER_NAME_SIZE, "%.*s", (int)length, channels);
 }
 
@@ -65,7 +66,7 @@ static const char *asked_name(const char *layer)
 {
     for (Aov aov = 0; aov < AOV_COUNT; aov++) {
         char name[LAYER_NAME_SIZE];
-        if (aov == AOV_CRYPTOMATTE) continue;
+        if (aov == AOV_CRYPTOMATTE || aov == AOV_BEHIND_CRYPTOMATTE) continue;
         layer_of_aov(aov, name);
         if (strcmp(name, layer) == 0) return aov_name(aov);
     }
@@ -123,7 +124,7 @@ static Status choose_layer(const char *name, const Talk *talk, Viewed *viewed, E
     char in_file[LAYER_NAME_SIZE];
     Layer layer;
     Aov aov = aov_named(name, strlen(name));
-    if (aov == AOV_CRYPTOMATTE)
+    if (aov == AOV_CRYPTOMATTE || aov == AOV_BEHIND_CRYPTOMATTE)
         return fail(error, STATUS_USAGE,
                     "the mattes of '%s' are for programs that composite; 'object' and 'medium' are layers to look at",
                     name);

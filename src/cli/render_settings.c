@@ -42,10 +42,10 @@ static Status merge_aovs(RenderRun *run, Error *error)
     while (rest) {
         size_t length = strcspn(rest, ",");
         Aov aov = aov_named(rest, length);
-        char known[256];
+        char known[512];
         list_aovs(known, sizeof known);
         if (length == 3 && strncmp(rest, "all", length) == 0)
-            run->settings.aovs = ((AovSet)1 << AOV_COUNT) - 1;
+            run->settings.aovs = AOV_SET_ALL;
         else if (aov < AOV_COUNT)
             run->settings.aovs |= (AovSet)1 << aov;
         else

@@ -26,15 +26,26 @@ enum {
     SUM_DEPTH = SUM_MEDIUM + 3,
     SUM_SILENT,
     SUM_FAULTS,
-    AOV_SUMS
+    AOV_SUMS,
+    SUM_WAY = SUM_SILENT /* of what is seen behind clear surfaces: a length */
 };
 
 enum { RANKS = 6 };
 static const float nothing_met = 1e30f;
 
+/* What there are mattes of: the rows of AovFilm.tallies. */
+enum { OBJECTS, MATERIALS, BEHIND_OBJECTS, BEHIND_MATERIALS, BEHIND_MEDIA };
+_Static_assert(BEHIND_MEDIA + 1 == AOV_TALLIES, "all tallies");
+
 static bool has(AovSet set, Aov aov)
 {
     return (set >> aov & 1) != 0;
+}
+
+/* How many sums a pixel has: those of what is seen behind clear surfaces follow the others. */
+static size_t sums_of_pixel(const AovFilm *film)
+{
+    return aov_film_needs_behind(film) ? 2 * AOV_SUMS : AOV_SUMS;
 }
 
 /* ---- names, hashes, colours ---- */
@@ -122,22 +133,22 @@ Status aov_film_init(AovFilm *film, AovSet set, bool guides, double unit, uint32
     size_t n = (size_t)width * height;
     bool film_has_all = !(set & ~((AovSet)1 << AOV_SAMPLES | (AovSet)1 << AOV_VARIANCE));
     if (film_has_all && !guides) return STATUS_OK;
-    film->sums = calloc(n * AOV_SUMS, sizeof *film->sums);
+    size_t n_sums = n * sums_of_pixel(film);
+    film->sums = calloc(n_sums, sizeof *film->sums);
     bool ready = film->sums != NULL;
-    if (ready && has(set, AOV_CRYPTOMATTE)) {
-        film->objects = calloc(n, sizeof *film->objects);
-        film->materials = calloc(n, sizeof *film->materials);
-        ready = film->objects && film->materials;
+    for (int i = 0; i < AOV_TALLIES; i++) {
+        if (!has(set, i < BEHIND_OBJECTS ? AOV_CRYPTOMATTE : AOV_BEHIND_CRYPTOMATTE)) continue;
+        film->tallies[i] = calloc(n, sizeof *film->tallies[i]);
+        ready = ready && film->tallies[i];
     }
-    if (!ready) return fail_memory(error, n * AOV_SUMS * sizeof *film->sums, "the film's further channels");
+    if (!ready) return fail_memory(error, n_sums * sizeof *film->sums, "the film's further channels");
     return STATUS_OK;
 }
 
 void aov_film_clear(AovFilm *film)
 {
     size_t n = (size_t)film->width * film->height;
-    tallies_free(film->objects, n);
-    tallies_free(film->materials, n);
+    for (int i = 0; i < AOV_TALLIES; i++) tallies_free(film->tallies[i], n);
     free(film->sums);
     *film = (AovFilm){0};
 }
@@ -175,45 +186,71 @@ static void add_id(int64_t *sums, const char *name)
     add_floats(sums, color, 3);
 }
 
+/* What both kinds of sights have. */
 static void add_sight(AovFilm *film, int64_t *sums, const FirstSight *sight)
 {
-    const Scene *scene = film->world->scene;
     const double position[3] = {sight->position.x, sight->position.y, sight->position.z};
     const float normal[3] = {sight->normal.x, sight->normal.y, sight->normal.z};
     sums[SUM_MET]++;
-    sums[SUM_DEPTH] += sight->n_hulls;
     add_length(sums + SUM_DISTANCE, sight->distance, film->unit);
     for (int i = 0; i < 3; i++) add_length(sums + SUM_POSITION + i * LENGTH_SUMS, position[i], film->unit);
     add_floats(sums + SUM_ALBEDO, sight->albedo, 3);
     add_floats(sums + SUM_NORMAL, normal, 3);
     add_floats(sums + SUM_UV, sight->uv, 2);
-    if (has(film->set, AOV_OBJECT)) add_id(sums + SUM_OBJECT, object_name(scene, sight->object));
-    if (has(film->set, AOV_MEDIUM)) add_id(sums + SUM_MEDIUM, scene->media[sight->medium].name);
+    if (film->set & ((AovSet)1 << AOV_OBJECT | (AovSet)1 << AOV_BEHIND_OBJECT))
+        add_id(sums + SUM_OBJECT, object_name(film->world->scene, sight->object));
 }
 
-void aov_film_add(AovFilm *film, uint32_t x, uint32_t y, const FirstSight *sight, const PathCounters *before,
-                  const PathCounters *after)
+static void add_medium(const AovFilm *film, int64_t *sums, uint32_t medium)
+{
+    if (medium != SCENE_NONE) add_id(sums + SUM_MEDIUM, film->world->scene->media[medium].name);
+}
+
+static void add_to_matte(AovFilm *film, Tally *tallies, size_t pixel, const char *name)
+{
+    if (!tally_add(&tallies[pixel], aov_id(name), 1)) film->out_of_memory = true;
+}
+
+static void add_to_mattes(AovFilm *film, Tally *const tallies[2], size_t pixel, const FirstSight *sight)
+{
+    if (!sight->met || !tallies[0]) return;
+    const Scene *scene = film->world->scene;
+    uint32_t material = sight->scatters ? sight->medium : material_of(scene, sight->object);
+    add_to_matte(film, tallies[0], pixel, object_name(scene, sight->object));
+    if (material != SCENE_NONE) add_to_matte(film, tallies[1], pixel, material_name(scene, material));
+}
+
+static void add_behind(AovFilm *film, size_t pixel, const FirstSight *behind)
+{
+    int64_t *sums = film->sums + pixel * sums_of_pixel(film) + AOV_SUMS;
+    if (behind->met) add_sight(film, sums, behind);
+    add_length(sums + SUM_WAY, behind->way, film->unit);
+    add_medium(film, sums, behind->through);
+    add_to_mattes(film, film->tallies + BEHIND_OBJECTS, pixel, behind);
+    if (film->tallies[BEHIND_MEDIA] && behind->through != SCENE_NONE)
+        add_to_matte(film, film->tallies[BEHIND_MEDIA], pixel, film->world->scene->media[behind->through].name);
+}
+
+void aov_film_add(AovFilm *film, uint32_t x, uint32_t y, const FirstSight *sight, const FirstSight *behind,
+                  const PathCounters *before, const PathCounters *after)
 {
     size_t pixel = (size_t)y * film->width + x;
-    int64_t *sums = film->sums + pixel * AOV_SUMS;
+    int64_t *sums = film->sums + pixel * sums_of_pixel(film);
     sums[SUM_SILENT] += (int64_t)(after->silent_crossings - before->silent_crossings);
     sums[SUM_FAULTS] += (int64_t)(after->nesting_faults - before->nesting_faults);
+    if (aov_film_needs_behind(film)) add_behind(film, pixel, behind);
     if (!sight->met) return;
     add_sight(film, sums, sight);
-    if (!film->objects) return;
-    const Scene *scene = film->world->scene;
-    uint32_t material = material_of(scene, sight->object);
-    bool kept = tally_add(&film->objects[pixel], aov_id(object_name(scene, sight->object)), 1);
-    if (material != SCENE_NONE)
-        kept = tally_add(&film->materials[pixel], aov_id(material_name(scene, material)), 1) && kept;
-    if (!kept) film->out_of_memory = true;
+    sums[SUM_DEPTH] += sight->n_hulls;
+    if (has(film->set, AOV_MEDIUM)) add_medium(film, sums, sight->medium);
+    add_to_mattes(film, film->tallies, pixel, sight);
 }
 
 /* ---- as bytes ---- */
 
 static int64_t *sums_at(const AovFilm *film, uint32_t x, uint32_t y)
 {
-    return film->sums + ((size_t)y * film->width + x) * AOV_SUMS;
+    return film->sums + ((size_t)y * film->width + x) * sums_of_pixel(film);
 }
 
 size_t aov_film_pixel_size(void)
@@ -221,23 +258,27 @@ size_t aov_film_pixel_size(void)
     return AOV_SUMS * sizeof(int64_t);
 }
 
+static size_t bytes_of_row(const AovFilm *film, uint32_t x0, uint32_t x1)
+{
+    return (x1 - x0) * sums_of_pixel(film) * sizeof *film->sums;
+}
+
 void aov_film_save_row(const AovFilm *film, uint32_t x0, uint32_t x1, uint32_t y, Buf *out)
 {
     if (!film->sums) return;
-    buf_add_bytes(out, (const char *)sums_at(film, x0, y), (x1 - x0) * AOV_SUMS * sizeof *film->sums);
-    for (size_t x = x0; film->objects && x < x1; x++) {
-        tally_save(&film->objects[(size_t)y * film->width + x], out);
-        tally_save(&film->materials[(size_t)y * film->width + x], out);
-    }
+    buf_add_bytes(out, (const char *)sums_at(film, x0, y), bytes_of_row(film, x0, x1));
+    for (size_t x = x0; x < x1; x++)
+        for (int i = 0; i < AOV_TALLIES; i++)
+            if (film->tallies[i]) tally_save(&film->tallies[i][(size_t)y * film->width + x], out);
 }
 
 bool aov_film_load_row(AovFilm *film, uint32_t x0, uint32_t x1, uint32_t y, BufReader *in)
 {
     if (!film->sums) return true;
-    bool good = buf_take(in, sums_at(film, x0, y), (x1 - x0) * AOV_SUMS * sizeof *film->sums);
-    for (size_t x = x0; good && film->objects && x < x1; x++)
-        good = tally_load(&film->objects[(size_t)y * film->width + x], in) &&
-               tally_load(&film->materials[(size_t)y * film->width + x], in);
+    bool good = buf_take(in, sums_at(film, x0, y), bytes_of_row(film, x0, x1));
+    for (size_t x = x0; x < x1; x++)
+        for (int i = 0; i < AOV_TALLIES; i++)
+            good = good && (!film->tallies[i] || tally_load(&film->tallies[i][(size_t)y * film->width + x], in));
     return good;
 }
 
@@ -247,13 +288,13 @@ bool aov_film_join_row(AovFilm *film, uint32_t x0, uint32_t x1, uint32_t y, cons
     int64_t *sums = sums_at(film, x0, y);
     const int64_t *others = sums_at(next, x0, next_y);
     /* those of damaged files are not to overflow */
-    for (size_t i = 0; i < (size_t)(x1 - x0) * AOV_SUMS; i++)
+    for (size_t i = 0; i < (x1 - x0) * sums_of_pixel(film); i++)
         sums[i] = held((int64_t)((uint64_t)sums[i] + (uint64_t)others[i]));
     bool kept = true;
-    for (size_t x = x0; kept && film->objects && x < x1; x++) {
+    for (size_t x = x0; x < x1; x++) {
         size_t to = (size_t)y * film->width + x, from = (size_t)next_y * next->width + x;
-        kept = tally_join(&film->objects[to], &next->objects[from]) &&
-               tally_join(&film->materials[to], &next->materials[from]);
+        for (int i = 0; i < AOV_TALLIES; i++)
+            kept = kept && (!film->tallies[i] || tally_join(&film->tallies[i][to], &next->tallies[i][from]));
     }
     return kept;
 }
@@ -299,12 +340,10 @@ static float *put_lengths(const int64_t *sums, int n, double unit, double among,
     return out;
 }
 
-/* The channels of one AOV of one pixel. */
-static float *put_aov(const AovFilm *aovs, const Film *film, size_t pixel, Aov aov, float *out)
+/* The channels of one AOV that both kinds of sights have; n: samples. */
+static float *put_sight(const AovFilm *aovs, Aov aov, const int64_t *sums, double n, float *out)
 {
-    const FilmPixel *p = &film->pixels[pixel];
-    const int64_t *sums = aovs->sums ? aovs->sums + pixel * AOV_SUMS : NULL;
-    double n = p->n, met = sums ? (double)sums[SUM_MET] : 0, mean, standard_error;
+    double met = (double)sums[SUM_MET];
     switch (aov) {
     case AOV_ALBEDO: return put_means(sums + SUM_ALBEDO, 3, FILM_UNIT, n, out);
     case AOV_NORMAL: return put_means(sums + SUM_NORMAL, 3, FILM_UNIT, met, out);
@@ -316,16 +355,47 @@ static float *put_aov(const AovFilm *aovs, const Film *film, size_t pixel, Aov a
     case AOV_UV: return put_means(sums + SUM_UV, 2, FILM_UNIT, met, out);
     case AOV_OBJECT: return put_means(sums + SUM_OBJECT, 3, FILM_UNIT, n, out);
     case AOV_MEDIUM: return put_means(sums + SUM_MEDIUM, 3, FILM_UNIT, n, out);
+    default: return out;
+    }
+}
+
+static float *put_mattes(const AovFilm *aovs, int first, int end, size_t pixel, uint32_t n, float *out)
+{
+    for (int i = first; i < end; i++, out += 2 * RANKS) put_ranks(&aovs->tallies[i][pixel], n, out);
+    return out;
+}
+
+/* The channels of one AOV of one pixel. */
+static float *put_aov(const AovFilm *aovs, const Film *film, size_t pixel, Aov aov, float *out)
+{
+    const FilmPixel *p = &film->pixels[pixel];
+    const int64_t *sums = aovs->sums ? aovs->sums + pixel * sums_of_pixel(aovs) : NULL;
+    double n = p->n, mean, standard_error;
+    switch (aov) {
+    case AOV_ALBEDO:
+    case AOV_NORMAL:
+    case AOV_DEPTH:
+    case AOV_POSITION:
+    case AOV_UV:
+    case AOV_OBJECT:
+    case AOV_MEDIUM: return put_sight(aovs, aov, sums, n, out);
     case AOV_NESTING: return put_means(sums + SUM_DEPTH, 3, 1, n, out);
     case AOV_SAMPLES: *out = (float)n; return out + 1;
     case AOV_VARIANCE:
         film_luminance(p, &mean, &standard_error);
         *out = standard_error > 0 ? (float)(standard_error * standard_error * n) : 0;
         return out + 1;
-    case AOV_CRYPTOMATTE:
-        put_ranks(&aovs->objects[pixel], p->n, out);
-        put_ranks(&aovs->materials[pixel], p->n, out + 2 * RANKS);
-        return out + 4 * RANKS;
+    case AOV_CRYPTOMATTE: return put_mattes(aovs, OBJECTS, BEHIND_OBJECTS, pixel, p->n, out);
+    case AOV_BEHIND_ALBEDO: return put_sight(aovs, AOV_ALBEDO, sums + AOV_SUMS, n, out);
+    case AOV_BEHIND_NORMAL: return put_sight(aovs, AOV_NORMAL, sums + AOV_SUMS, n, out);
+    case AOV_BEHIND_DEPTH: return put_sight(aovs, AOV_DEPTH, sums + AOV_SUMS, n, out);
+    case AOV_BEHIND_POSITION: return put_sight(aovs, AOV_POSITION, sums + AOV_SUMS, n, out);
+    case AOV_BEHIND_UV: return put_sight(aovs, AOV_UV, sums + AOV_SUMS, n, out);
+    case AOV_BEHIND_OBJECT: return put_sight(aovs, AOV_OBJECT, sums + AOV_SUMS, n, out);
+    case AOV_BEHIND_MEDIUM:
+        out = put_sight(aovs, AOV_MEDIUM, sums + AOV_SUMS, n, out);
+        return put_lengths(sums + AOV_SUMS + SUM_WAY, 1, aovs->unit, n, out);
+    case AOV_BEHIND_CRYPTOMATTE: return put_mattes(aovs, BEHIND_OBJECTS, AOV_TALLIES, pixel, p->n, out);
     case AOV_COUNT: break;
     }
     return out;
@@ -379,7 +449,7 @@ static void extend_row(void *context, uint32_t y, unsigned worker)
 Status aov_film_resolve(const AovFilm *aovs, const Film *film, const Spread *spread, Pool *pool, Image *image,
                         Error *error)
 {
-    enum { MOST_CHANNELS = 64 };
+    enum { MOST_CHANNELS = 128 };
     TRY(film_resolve(film, spread, pool, image, error));
     if (!aovs->set) return STATUS_OK;
     if (aovs->out_of_memory) return fail(error, STATUS_NOMEM, "out of memory for the film's further channels");
@@ -472,9 +542,16 @@ static void visit_cryptomatte(const Scene *scene, const char *layer, bool object
 
 void aov_visit_attributes(AovSet set, const Scene *scene, Visit *visit, void *context)
 {
-    if (has(set, AOV_MEDIUM)) visit_names(scene, false, false, add_color, "meniscus/media", visit, context);
-    if (has(set, AOV_OBJECT)) visit_names(scene, true, false, add_color, "meniscus/objects", visit, context);
-    if (!has(set, AOV_CRYPTOMATTE)) return;
-    visit_cryptomatte(scene, "CryptoObject", true, visit, context);
-    visit_cryptomatte(scene, "CryptoMaterial", false, visit, context);
+    if (has(set, AOV_MEDIUM) || has(set, AOV_BEHIND_MEDIUM))
+        visit_names(scene, false, false, add_color, "meniscus/media", visit, context);
+    if (has(set, AOV_OBJECT) || has(set, AOV_BEHIND_OBJECT))
+        visit_names(scene, true, false, add_color, "meniscus/objects", visit, context);
+    if (has(set, AOV_CRYPTOMATTE)) {
+        visit_cryptomatte(scene, "CryptoObject", true, visit, context);
+        visit_cryptomatte(scene, "CryptoMaterial", false, visit, context);
+    }
+    if (!has(set, AOV_BEHIND_CRYPTOMATTE)) return;
+    visit_cryptomatte(scene, "CryptoObjectBehind", true, visit, context);
+    visit_cryptomatte(scene, "CryptoMaterialBehind", false, visit, context);
+    visit_cryptomatte(scene, "CryptoMediumBehind", false, visit, context);
 }

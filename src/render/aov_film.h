@@ -8,16 +8,16 @@
 #include "trace/path.h"
 
 /* What keeps unlike things apart where a picture is denoised: albedo, normal, and the logarithm of the distance. */
-enum { AOV_GUIDES = 7 };
+enum { AOV_GUIDES = 7, AOV_TALLIES = 5 };
 
 typedef struct AovFilm {
     AovSet set;
     bool guides;        /* these are kept, whether they are in the set or not */
     const World *world; /* for aov_film_add; the others do not need it */
     uint32_t width, height;
-    double unit;                /* of lengths: fine against the size of the scene, and a power of two */
-    int64_t *sums;              /* for each pixel AOV_SUMS of them, see aov_film.c; NULL when nothing is needed */
-    Tally *objects, *materials; /* what the samples of each pixel saw first, by the hashes of names; or NULL */
+    double unit;   /* of lengths: fine against the size of the scene, and a power of two */
+    int64_t *sums; /* for each pixel AOV_SUMS of them, or twice as many, see aov_film.c; NULL when nothing is needed */
+    Tally *tallies[AOV_TALLIES]; /* what the samples of each pixel saw, by the hashes of names; or NULL */
     bool out_of_memory;
 } AovFilm;
 
@@ -33,15 +33,20 @@ static inline bool aov_film_needs_sight(const AovFilm *film)
 {
     return film->sums != NULL;
 }
-/* One sample; before and after: the tracer's counters. A pixel belongs to one thread at a time. */
-void aov_film_add(AovFilm *film, uint32_t x, uint32_t y, const FirstSight *sight, const PathCounters *before,
-                  const PathCounters *after);
+/* And what is seen behind clear surfaces. */
+static inline bool aov_film_needs_behind(const AovFilm *film)
+{
+    return (film->set & AOV_SET_BEHIND) != 0;
+}
+/* One sample; behind: where that is needed; before and after: the tracer's counters. A pixel belongs to one thread at a time. */
+void aov_film_add(AovFilm *film, uint32_t x, uint32_t y, const FirstSight *sight, const FirstSight *behind,
+                  const PathCounters *before, const PathCounters *after);
 /* Rows as bytes, and joining two, as film_save_row and its like have it. Those of films of one set and unit. false from joining
  * when memory ends. */
 void aov_film_save_row(const AovFilm *film, uint32_t x0, uint32_t x1, uint32_t y, Buf *out);
 bool aov_film_load_row(AovFilm *film, uint32_t x0, uint32_t x1, uint32_t y, BufReader *in);
 bool aov_film_join_row(AovFilm *film, uint32_t x0, uint32_t x1, uint32_t y, const AovFilm *next, uint32_t next_y);
-/* Of a row's bytes, without what tallies add. */
+/* Of a row's bytes, without what tallies and what is seen behind clear surfaces add. */
 size_t aov_film_pixel_size(void);
 /* The whole picture: the film's channels, and these. spread, pool: see film_resolve. */
 ATTR_NODISCARD Status aov_film_resolve(const AovFilm *aovs, const Film *film, const Spread *spread, Pool *pool,

@@ -215,7 +215,8 @@ static bool render_sample(Job *job, unsigned worker, uint32_t x, uint32_t y, uin
     uint64_t rays = tracer->counters.rays;
     if (tracer->notes_sight) before = tracer->counters;
     trace_sample(tracer, x, y, settings->width, settings->height, settings->seed, index, rgb, &alpha);
-    if (tracer->notes_sight) aov_film_add(&job->state->aovs, x, y, &tracer->first_sight, &before, &tracer->counters);
+    if (tracer->notes_sight)
+        aov_film_add(&job->state->aovs, x, y, &tracer->first_sight, &tracer->behind, &before, &tracer->counters);
     bool saturated = film_add(&job->state->film, x, y, rgb, alpha);
     film_add_rays(&job->state->film, x, y, tracer->counters.rays - rays);
     if (job->state->bright.pixels) bright_film_add(&job->state->bright, x, y, rgb, tracer->seen, &tracer->reflected);
@@ -555,7 +556,10 @@ static Status job_init(Job *job, Error *error)
     }
     job->state->aovs.world = job->world;
     count_before(job);
-    for (unsigned i = 0; i < job->n_threads; i++) job->tracers[i].notes_sight = aov_film_needs_sight(&job->state->aovs);
+    for (unsigned i = 0; i < job->n_threads; i++) {
+        job->tracers[i].notes_sight = aov_film_needs_sight(&job->state->aovs);
+        job->tracers[i].notes_behind = aov_film_needs_behind(&job->state->aovs);
+    }
     return STATUS_OK;
 }
 
@@ -736,7 +740,9 @@ Status render_go_on(const CompiledScene *compiled, const RenderSettings *setting
                .n_threads = pool_threads(pool),
                .start = now,
                .saved_at = now};
-    Status status = settings->aovs >> AOV_UV & 1 ? world_find_mesh_boxes(&world, error) : STATUS_OK;
+    Status status = settings->aovs & ((AovSet)1 << AOV_UV | (AovSet)1 << AOV_BEHIND_UV)
+                        ? world_find_mesh_boxes(&world, error)
+                        : STATUS_OK;
     if (status == STATUS_OK) status = job_init(&job, error);
     if (status == STATUS_OK) status = prepare(&job, &world, stats, error);
     bool too_early = (is_stopped(&job) || stats->searching) && job.first_samples == 0;

@@ -15,6 +15,9 @@ typedef enum Aov {
 
 /* Bit 1 << AOV_... for each. */
 typedef uint32_t AovSet;
+#define AOV_SET_ALL (((AovSet)1 << AOV_COUNT) - 1)
+/* Those of what is seen behind clear surfaces. */
+#define AOV_SET_BEHIND (AOV_SET_ALL & ~(((AovSet)1 << AOV_BEHIND_ALBEDO) - 1))
 
 const char *aov_name(Aov aov);     /* as --aov takes it */
 const char *aov_channels(Aov aov); /* with '|' between them */

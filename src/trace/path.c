@@ -14,7 +14,6 @@
 
 #include "trace/airlight.h"
 #include "trace/backdrop.h"
-#include "trace/texture_view.h"
 
 /* Paths that carry less than this are left to Russian roulette. A picture is looked at by its relative error, and what
  * is seen through a drink is dark as a whole: ended earlier, its paths are its noise. Measured on the examples, by the
@@ -73,49 +72,6 @@ void tracers_free(Tracer *tracers, unsigned n)
     free(tracers);
 }
 
-/* The colour of a reflectance under white light. */
-ATTR_COLD static void reflectance_color(const Path *path, const Event *event, const SceneSurface *surface, float rgb[3])
-{
-    const ReflectedColor *color = &path->tracer->world->reflected;
-    Lanes albedo[COLOR_FOURS], sum[3] = {lanes_all(0), lanes_all(0), lanes_all(0)};
-    path_albedos(path, event, surface, color->nm, albedo);
-    for (int i = 0; i < COLOR_FOURS; i++)
-        for (int c = 0; c < 3; c++) sum[c] = lanes_add(sum[c], lanes_mul(albedo[i], color->weights[i][c]));
-    for (int c = 0; c < 3; c++) rgb[c] = lanes_sum(sum[c]);
-}
-
-ATTR_COLD static void note_first_sight(const Path *path, const Event *event)
-{
-    Tracer *tracer = path->tracer;
-    const World *world = tracer->world;
-    const Scene *scene = world->scene;
-    FirstSight *sight = &tracer->first_sight;
-    *sight = (FirstSight){.object = SCENE_NONE, .medium = SCENE_NONE};
-    if (event->kind != EVENT_OPAQUE && event->kind != EVENT_BOUNDARY) return;
-    bool opaque = event->kind == EVENT_OPAQUE;
-    const SceneObject *object = &scene->objects[event->hit.object];
-    Vec3f shading = rtc_shading_normal(world->compiled->rtc, &path->ray, &event->hit);
-    const NestList *list = opaque ? &tracer->list : &tracer->next;
-    if (!opaque && event->behind != BEHIND_IN_NEXT && path_copy_behind(tracer, event, &tracer->next) != STATUS_OK)
-        return;
-    sight->met = true;
-    sight->object = scene_whole(scene, event->hit.object);
-    sight->medium = nest_medium(list);
-    sight->n_hulls = nest_list_count(list) - compiled_operands_in(world->compiled, list);
-    sight->distance = event->hit.t;
-    sight->position = ray_point(&path->ray, event->hit.t);
-    sight->normal = event->hit.cos_normal < 0 ? shading : vec3f_negate(shading);
-    texture_uv(world, &path->ray, &event->hit, sight->uv);
-    for (int i = 0; i < 3; i++) sight->albedo[i] = opaque ? 0 : 1;
-    if (opaque && object->light == SCENE_NONE && object->surface != SCENE_NONE)
-        reflectance_color(path, event, &scene->surfaces[object->surface], sight->albedo);
-    if (object->surface != SCENE_NONE && surface_has_relief(&scene->surfaces[object->surface])) {
-        SurfacePlace place = path_place(path, event);
-        path_relief(path, event, &scene->surfaces[object->surface], (double)path->cone_width, &place);
-        sight->normal = place.normal;
-    }
-}
-
 /* Ends paths that carry little. The decision uses what is the same whichever lane is the hero. */
 static bool survives(Path *path)
 {
@@ -129,26 +85,6 @@ static bool survives(Path *path)
     if (sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_ROULETTE)) >= carried) return false;
     path->beta = lanes_scale(path->beta, 1 / carried);
     return true;
-}
-
-/* What the camera's ray would meet first if no medium scattered it. The path stays as it is, and nothing of it counts. */
-ATTR_COLD static void look_ahead(const Path *path)
-{
-    Tracer *tracer = path->tracer;
-    const PathCounters counters = tracer->counters;
-    Path look = *path;
-    Event event;
-    NestList kept;
-    nest_list_init(&kept);
-    look.straight = true;
-    look.looks = false;
-    if (nest_list_copy(&kept, &tracer->list) == STATUS_OK) {
-        path_next_event(&look, &event);
-        note_first_sight(&look, &event);
-        if (nest_list_copy(&tracer->list, &kept) != STATUS_OK) tracer->out_of_memory = true;
-    }
-    tracer->counters = counters;
-    nest_list_clear(&kept);
 }
 
 /* The object that an event is at; what scatters in front of all objects is one more, and what does behind boundaries alone
@@ -242,7 +178,9 @@ static void follow(Path *path, bool first)
     const World *world = tracer->world;
     const bool textured = world->scene->n_textures > 0;
     bool clear = first; /* nothing but boundaries so far */
-    if (UNLIKELY(first && tracer->notes_sight && world->scatters)) look_ahead(path);
+    const bool notes_sight = UNLIKELY(tracer->notes_sight) && first;
+    const bool looks_ahead = notes_sight && (world->scatters || tracer->notes_behind);
+    if (UNLIKELY(looks_ahead)) sight_look(path);
     for (;; first = false) {
         Event event;
         if (UNLIKELY(clear && path->looks))
@@ -253,7 +191,7 @@ static void follow(Path *path, bool first)
         if (first || (clear && event.kind == EVENT_SCATTER)) tracer->seen = seen_first(world, &event, first);
         bool notes = textured && clear && event.kind == EVENT_OPAQUE;
         clear = clear && event.kind == EVENT_BOUNDARY;
-        if (UNLIKELY(first && tracer->notes_sight && !world->scatters)) note_first_sight(path, &event);
+        if (UNLIKELY(notes_sight && !looks_ahead) && first) sight_note(path, &event, &tracer->first_sight);
         if (event.kind == EVENT_LOST) tracer->out_of_memory = true;
         if (event.kind == EVENT_LOST || event.kind == EVENT_GIVE_UP) return;
         if (event.kind == EVENT_ESCAPE) {

@@ -28,7 +28,8 @@ static inline void path_counters_add(PathCounters *sum, const PathCounters *more
     sum->bad_samples += more->bad_samples;
 }
 
-/* What a camera's ray meets first: the first surface that is there, behind silent ones. */
+/* What a camera's ray meets first: the first surface that is there, behind silent ones. Or what it sees behind all that is clear: a
+ * surface that is not, or a medium that scatters. */
 typedef struct FirstSight {
     bool met;
     uint32_t object;  /* a combination's own row, not its operand's */
@@ -38,6 +39,10 @@ typedef struct FirstSight {
     Vec3 position;
     Vec3f normal; /* for shading, towards the camera */
     float uv[2], albedo[3];
+    bool scatters;    /* behind what is clear: a medium of the object is met, not its surface; */
+    uint32_t through; /* and that medium; else in which object's medium the way from the first surface to there is longest; SCENE_NONE:
+                       * in none */
+    double way;       /* the longest of these ways */
 } FirstSight;
 
 /* One of the media that fill a place which a path flies through; see flight.c. */
@@ -104,6 +109,8 @@ typedef struct Tracer {
     bool out_of_memory;
     bool notes_sight; /* of each path: */
     FirstSight first_sight;
+    bool notes_behind; /* and with that: */
+    FirstSight behind;
 } Tracer;
 
 void tracer_init(Tracer *tracer, const World *world);

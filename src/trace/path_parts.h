@@ -226,7 +226,23 @@ bool path_cross_towards(Tracer *tracer, const Ray *ray, NestList *list);
  * tracer->shadow_list is then the list at its end. */
 bool path_shadow(Path *path, Ray *ray, Lanes *transmittance, uint32_t *medium_at_light);
 
+/* ---- sight.c ---- */
+
+/* What a path from the camera has come to. */
+void sight_note(const Path *path, const Event *event, FirstSight *sight);
+/* What the camera's ray would meet first if no medium scattered it, and what it sees behind what is clear, into the tracer's sights. The
+ * path stays as it is, and nothing of it counts. */
+void sight_look(const Path *path);
+
 /* ---- shade.c ---- */
+
+/* A surface by its number, or one of those that it is a mix of, by its weight. */
+const SceneSurface *path_surface_of_mix(const Path *path, const Event *event, const SceneSurface *surface);
+static inline const SceneSurface *path_surface(const Path *path, const Event *event, uint32_t number)
+{
+    const SceneSurface *surface = &path->tracer->world->scene->surfaces[number];
+    return LIKELY(!surface->mixed) ? surface : path_surface_of_mix(path, event, surface);
+}
 
 /* Where a surface is met. Both normals are on the side that the path comes from. */
 typedef struct SurfacePlace {

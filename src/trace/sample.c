@@ -156,7 +156,8 @@ static bool follow_path(Tracer *tracer, const PixelSampler *pixel, FilmPoint poi
     tracer->reflected.mean = -1;
     if (UNLIKELY(!camera_ray(camera, point, lens, &path->ray, &footprint))) {
         tracer->seen = SCENE_NONE;
-        tracer->first_sight = (FirstSight){.object = SCENE_NONE, .medium = SCENE_NONE};
+        tracer->first_sight = (FirstSight){.object = SCENE_NONE, .medium = SCENE_NONE, .through = SCENE_NONE};
+        tracer->behind = tracer->first_sight;
         return false;
     }
     path->ray.time = time;

@@ -29,8 +29,7 @@ static float mix_weight(const Path *path, const Event *event, const SceneSurface
     return spec.mix_weight;
 }
 
-/* One of the surfaces that one is a mix of, by its weight. */
-ATTR_APART static const SceneSurface *one_of_mix(const Path *path, const Event *event, const SceneSurface *surface)
+ATTR_APART const SceneSurface *path_surface_of_mix(const Path *path, const Event *event, const SceneSurface *surface)
 {
     const SceneSurface *surfaces = path->tracer->world->scene->surfaces;
     float u = sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_MIX));
@@ -41,12 +40,6 @@ ATTR_APART static const SceneSurface *one_of_mix(const Path *path, const Event *
         surface = &surfaces[surface->mix[second]];
     }
     return surface;
-}
-
-static inline const SceneSurface *surface_of(const Path *path, const Event *event, uint32_t number)
-{
-    const SceneSurface *surface = &path->tracer->world->scene->surfaces[number];
-    return LIKELY(!surface->mixed) ? surface : one_of_mix(path, event, surface);
 }
 
 void path_albedos(const Path *path, const Event *event, const SceneSurface *surface,
@@ -317,7 +310,7 @@ bool path_shade_opaque(Path *path, Event *event)
     float rarity = path->from.rarity;
     path->from.rarity = 0;
     if (look->light != SCENE_NONE || look->surface == SCENE_NONE) return false;
-    const SceneSurface *surface = surface_of(path, event, look->surface);
+    const SceneSurface *surface = path_surface(path, event, look->surface);
     SurfacePlace place = opaque_place(path, event, surface);
     const BsdfSpec *spec = &surface->spec;
     BsdfSpec textured;
@@ -465,7 +458,7 @@ bool path_cross_boundary(Path *path, Event *event)
     }
     SurfacePlace place = path_place(path, event);
     uint32_t number = world->looks[event->hit.object].surface;
-    const SceneSurface *surface = number == SCENE_NONE ? NULL : surface_of(path, event, number);
+    const SceneSurface *surface = number == SCENE_NONE ? NULL : path_surface(path, event, number);
     if (surface && (surface->roughness > 0 || surface->painted)) {
         const BsdfSpec *spec = &surface->spec;
         BsdfSpec textured;

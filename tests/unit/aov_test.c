@@ -160,7 +160,7 @@ static void sums_do_not_overflow(void **state)
         FirstSight sight = {.met = true, .distance = d, .position = {-d, d, 3 * d}, .uv = {(float)d, -(float)d}};
         PathCounters counters = {0};
         enum { N = 100, DOUBLINGS = 20 };
-        for (int k = 0; k < N; k++) aov_film_add(&aovs, 0, 0, &sight, &counters, &counters);
+        for (int k = 0; k < N; k++) aov_film_add(&aovs, 0, 0, &sight, NULL, &counters, &counters);
         for (int k = 0; k < DOUBLINGS; k++) {
             Buf row = {0};
             aov_film_save_row(&aovs, 0, 1, 0, &row);
@@ -251,6 +251,109 @@ static void what_is_seen_first(void **state)
     fixture_clear(&f);
 }
 
+/* Means over some pixels in the middle. */
+static double mean_of(const Image *image, const char *channel)
+{
+    double sum = 0;
+    for (uint32_t y = SIDE / 4; y < SIDE * 3 / 4; y++)
+        for (uint32_t x = SIDE / 4; x < SIDE * 3 / 4; x++) sum += value(image, x, y, channel);
+    return sum / (SIDE * SIDE / 4);
+}
+
+/* A camera that looks straight along -z at a wall at z = -5, and something before it. */
+#define BEHIND(before)                                                                                                 \
+    FIXTURE_MEDIA                                                                                                      \
+        "medium milk { ior = 1.33  scattering = .35 } medium fog { ior = 1  scattering = .35 } "                       \
+        "let _all = [milk, fog] " before " film { filter = box } "                                                     \
+        "box wall { from = <-99, -99, -6> to = <99, 99, -5> surface = surface { albedo = rgb(.5, .25, .125) } } "      \
+        "camera { from = <0, 0, 50> to = <0, 0, 0> projection = orthographic width = 4 } environment { } "
+
+typedef struct Behind {
+    const char *before;
+    double depth, aside, way,
+        covered; /* aside: how far P.X is from where it would be without what is before; < 0: not asked */
+    const char *object, *medium;
+} Behind;
+
+static void check_behind(const Behind *wanted)
+{
+    Fixture f;
+    Image image;
+    render(wanted->before, ALL, 1, &f, &image);
+    uint32_t m = SIDE / 2;
+    assert_near(mean_of(&image, "CryptoObjectBehind00.G"), 1, 0);
+    assert_true(value(&image, m, m, "CryptoObjectBehind00.R") == (double)aov_id_float(aov_id(wanted->object)));
+    if (wanted->medium)
+        assert_true(value(&image, m, m, "CryptoMediumBehind00.R") == (double)aov_id_float(aov_id(wanted->medium)));
+    assert_near(mean_of(&image, "CryptoMediumBehind00.G"), wanted->covered, 1e-6);
+    assert_near(mean_of(&image, "behind.Z"), wanted->depth, 1e-5);
+    assert_near(fabs(mean_of(&image, "behind.P.X") - mean_of(&image, "P.X")), wanted->aside, 1e-5);
+    assert_near(mean_of(&image, "behind.medium.way"), wanted->way, 1e-5);
+    assert_near(mean_of(&image, "behind.P.Z"), -5, 1e-5);
+    assert_near(mean_of(&image, "behind.N.Z"), 1, 1e-6);
+    assert_near(mean_of(&image, "behind.albedo.G"), .25, 2e-3);
+    image_clear(&image);
+    fixture_clear(&f);
+}
+
+static void what_is_behind_clear_surfaces_is_seen_by_refraction(void **state)
+{
+    (void)state;
+    /* a plate, turned by 45 degrees: Snell's law, the way within it, and how far the line comes out aside */
+    const double angle = asin(sqrt(.5) / 1.5), within = 1 / cos(angle), aside = sin(acos(-1) / 4 - angle) * within;
+    const Behind cases[] = {
+        {BEHIND(""), 55, 0, 0, 0, "wall", NULL},
+        {BEHIND("box { from = <-9, -9, 0> to = <9, 9, 1> interior = glass }"), 55, 0, 1, 1, "wall", "glass"},
+        {BEHIND("box { from = <-9, -9, -.5> to = <9, 9, .5> interior = glass rotate(y, 45) }"),
+         55 - within * cos(acos(-1) / 4 - angle) + within, aside, within, 1, "wall", "glass"},
+        {BEHIND("box { from = <-9, -9, 0> to = <9, 9, 1> interior = glass } "
+                "box { from = <-9, -9, -3> to = <9, 9, .5> interior = water }"),
+         55, 0, 3, 1, "wall", "water"},
+        {BEHIND(
+             "box { from = <-9, -9, 0> to = <9, 9, .1> surface = surface { thin = true ior = 1.5 transmission = 1 } }"),
+         55, 0, 0, 0, "wall", NULL},
+        /* what scatters before anything is met, or outside of all, is looked through */
+        {BEHIND("box { from = <-9, -9, 0> to = <9, 9, 1> interior = fog }"), 55, 0, 0, 0, "wall", NULL},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) check_behind(&cases[i]);
+}
+
+/* Of what scatters behind glass there is as much as it scatters; half of a sheet is as much as covers. */
+static void what_covers_in_part_has_its_part(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text, *object;
+        double part;
+    } cases[] = {
+        {BEHIND("box { from = <-9, -9, 0> to = <9, 9, 1> interior = glass } "
+                "box drink { from = <-9, -9, -2> to = <9, 9, 0.001> interior = milk }"),
+         "drink", .5034147},
+        {BEHIND("box sheet { from = <-9, -9, 0> to = <9, 9, 1> surface = surface { thin = true ior = 1.5 transmission "
+                "= .5 } }"),
+         "sheet", .75},
+        {BEHIND("box pane { from = <-9, -9, 0> to = <9, 9, 1> interior = glass "
+                "surface = surface { transmission = .5 albedo = .5 ior = 1.5 } }"),
+         "pane", .75},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        Fixture f;
+        Image image;
+        render(cases[i].text, ALL, 1, &f, &image);
+        double sum = 0;
+        for (uint32_t y = 0; y < SIDE; y++)
+            for (uint32_t x = 0; x < SIDE; x++)
+                for (int k = 0; k < 2; k++) {
+                    bool is = value(&image, x, y, k ? "CryptoObjectBehind00.B" : "CryptoObjectBehind00.R") ==
+                              (double)aov_id_float(aov_id(cases[i].object));
+                    if (is) sum += value(&image, x, y, k ? "CryptoObjectBehind00.A" : "CryptoObjectBehind00.G");
+                }
+        assert_near(sum / (SIDE * SIDE), cases[i].part, 0.01);
+        image_clear(&image);
+        fixture_clear(&f);
+    }
+}
+
 static void names_are_hashed_as_others_do(void **state)
 {
     (void)state;
@@ -293,11 +396,18 @@ static void scenes_name_them(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(channels_hold_what_they_say),   cmocka_unit_test(mattes_add_up),
-        cmocka_unit_test(pictures_stay_as_they_are),     cmocka_unit_test(what_is_far_is_as_far_as_it_is),
-        cmocka_unit_test(sums_do_not_overflow),          cmocka_unit_test(looks_are_not_counted),
-        cmocka_unit_test(what_parts_is_seen_once),       cmocka_unit_test(what_is_seen_first),
-        cmocka_unit_test(names_are_hashed_as_others_do), cmocka_unit_test(scenes_name_them),
+        cmocka_unit_test(channels_hold_what_they_say),
+        cmocka_unit_test(mattes_add_up),
+        cmocka_unit_test(pictures_stay_as_they_are),
+        cmocka_unit_test(what_is_far_is_as_far_as_it_is),
+        cmocka_unit_test(sums_do_not_overflow),
+        cmocka_unit_test(looks_are_not_counted),
+        cmocka_unit_test(what_parts_is_seen_once),
+        cmocka_unit_test(what_is_seen_first),
+        cmocka_unit_test(what_is_behind_clear_surfaces_is_seen_by_refraction),
+        cmocka_unit_test(what_covers_in_part_has_its_part),
+        cmocka_unit_test(names_are_hashed_as_others_do),
+        cmocka_unit_test(scenes_name_them),
     };
     return cmocka_run_group_tests_name("aov", tests, NULL, NULL);
 }
