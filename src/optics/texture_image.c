@@ -197,7 +197,7 @@ Status texture_image_new_numbers(const float *values, uint32_t channels, uint32_
 static uint32_t wrapped(double cell, uint32_t n, TextureWrap wrap)
 {
     double size = n;
-    if (wrap == WRAP_CLAMP) return cell < 0 ? 0 : cell >= size ? n - 1 : (uint32_t)cell;
+    if (wrap == WRAP_CLAMP || wrap == WRAP_ONCE) return cell < 0 ? 0 : cell >= size ? n - 1 : (uint32_t)cell;
     double period = wrap == WRAP_MIRROR ? 2 * size : size;
     double within = cell - period * floor(cell / period);
     if (within >= size && wrap == WRAP_MIRROR) within = period - 1 - within;
@@ -208,12 +208,16 @@ static uint32_t wrapped(double cell, uint32_t n, TextureWrap wrap)
 typedef struct Between {
     uint32_t cell[2];
     float part;
+    bool beyond[2]; /* the cell is one of nothing */
 } Between;
 
 static Between between(double at, uint32_t n, TextureWrap wrap)
 {
     double x = at * n - 0.5, low = floor(x);
-    return (Between){{wrapped(low, n, wrap), wrapped(low + 1, n, wrap)}, (float)(x - low)};
+    Between two = {{wrapped(low, n, wrap), wrapped(low + 1, n, wrap)}, (float)(x - low), {false, false}};
+    if (LIKELY(wrap != WRAP_ONCE)) return two;
+    for (int i = 0; i < 2; i++) two.beyond[i] = low + i < 0 || low + i >= n;
+    return two;
 }
 
 /* The four texels of a level around a place. */
@@ -231,6 +235,7 @@ static Four four_around(const TextureImage *image, int level_number, const Textu
         int x = i & 1, y = i >> 1;
         four.texel[i] = level->texels + ((size_t)down.cell[y] * level->width + across.cell[x]) * image->n_channels;
         four.weight[i] = (x ? across.part : 1 - across.part) * (y ? down.part : 1 - down.part);
+        if (UNLIKELY(across.beyond[x] || down.beyond[y])) four.weight[i] = 0;
     }
     return four;
 }
@@ -252,10 +257,10 @@ static int level_of(const TextureImage *image, const TextureLook *look, float *p
 /* Far out there are no parts of a picture any more. */
 static TextureLook usable(const TextureLook *look)
 {
-    const double largest = 1e12;
+    const double largest = 1e12, far = look->wrap == WRAP_ONCE ? -largest : 0;
     TextureLook at = *look;
-    if (!(fabs(at.u) < largest)) at.u = 0;
-    if (!(fabs(at.v) < largest)) at.v = 0;
+    if (!(fabs(at.u) < largest)) at.u = far;
+    if (!(fabs(at.v) < largest)) at.v = far;
     return at;
 }
 
@@ -271,6 +276,7 @@ static Lanes mixed_color(const TextureImage *image, const TextureLook *look, Lan
 {
     TextureLook at = usable(look);
     float part;
+    if (at.wrap == WRAP_ONCE && image->light == 0) at.wrap = WRAP_CLAMP;
     int level = level_of(image, &at, &part);
     Four four = four_around(image, level, &at);
     Lanes sum = add_color(lanes_all(0), &four, 1 - part, wavelength_nm);
@@ -285,10 +291,17 @@ Lanes texture_image_color(const TextureImage *image, const TextureLook *look, La
     return image->light > 0 ? lanes_mul(lanes_scale(color, image->light), white_at(wavelength_nm)) : color;
 }
 
+/* Where a part of the four is of nothing, vectors are those of a flat surface. */
 static void add_numbers(float *values, const Four *four, float weight, uint32_t n)
 {
-    for (int i = 0; i < 4; i++)
+    static const float flat[3] = {0.5f, 0.5f, 1};
+    float left = 1;
+    for (int i = 0; i < 4; i++) {
+        left -= four->weight[i];
         for (uint32_t c = 0; c < n; c++) values[c] += weight * four->weight[i] * four->texel[i][c];
+    }
+    if (UNLIKELY(left > 1e-3f) && n == COUNT_OF(flat))
+        for (uint32_t c = 0; c < n; c++) values[c] += weight * left * flat[c];
 }
 
 void texture_image_numbers(const TextureImage *image, const TextureLook *look, float *values)

@@ -9,7 +9,9 @@
 
 typedef struct TextureImage TextureImage;
 
-typedef enum TextureWrap { WRAP_REPEAT, WRAP_CLAMP, WRAP_MIRROR } TextureWrap;
+/* WRAP_ONCE: beyond the edges numbers and light are 0; three numbers are a vector, and that of a flat surface; colours are those at the
+ * edge, as they mean something only where a mask of the same picture is not 0. */
+typedef enum TextureWrap { WRAP_REPEAT, WRAP_CLAMP, WRAP_MIRROR, WRAP_ONCE } TextureWrap;
 
 enum { TEXTURE_IMAGE_LARGEST = 65536 }; /* pixels each way */
 

@@ -2,7 +2,9 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
+#include "base/file.h"
 #include "base/hash.h"
 #include "diag/limits.h"
 #include "scene/build_parts.h"
@@ -14,12 +16,13 @@ typedef struct PictureWish {
     TextureUse use;
     int channel; /* of numbers: -1 for the mean, else 0 .. 2 */
     bool clip;
+    bool once; /* of colours: those of pixels with an alpha of 0 count for nothing */
 } PictureWish;
 
 static const char *wish_key(Builder *b, const PictureWish *wish)
 {
-    return arena_format(b->arena, "%d %d %d %d %s %s", (int)wish->use, wish->channel, wish->clip, wish->space != NULL,
-                        wish->space ? wish->space : "", wish->path);
+    return arena_format(b->arena, "%d %d %d %d %d %s %s", (int)wish->use, wish->channel, wish->clip, wish->once,
+                        wish->space != NULL, wish->space ? wish->space : "", wish->path);
 }
 
 /* ---- pixels ---- */
@@ -80,6 +83,64 @@ static void take_channel(Pixels *pixels, int channel)
     }
 }
 
+/* ---- colours of what is not there ---- */
+
+/* A mask of three numbers to a pixel, as the loader has it: whether the first is 0. */
+static bool is_unseen(const Pixels *mask, size_t pixel)
+{
+    return !(mask->rgb[3 * pixel] > 0);
+}
+
+/* The mean of what is seen of each four pixels; of none, nothing is seen. */
+static void halve_seen(const Pixels *colors, const Pixels *mask, Pixels *half_colors, Pixels *half_mask)
+{
+    for (uint32_t y = 0; y < half_mask->height; y++)
+        for (uint32_t x = 0; x < half_mask->width; x++) {
+            float sum[3] = {0, 0, 0}, n = 0;
+            for (uint32_t i = 0; i < 4; i++) {
+                uint32_t column = 2 * x + (i & 1), row = 2 * y + (i >> 1);
+                size_t from = (size_t)row * mask->width + column;
+                if (column >= mask->width || row >= mask->height || is_unseen(mask, from)) continue;
+                for (int c = 0; c < 3; c++) sum[c] += colors->rgb[3 * from + (size_t)c];
+                n++;
+            }
+            size_t to = (size_t)y * half_mask->width + x;
+            for (int c = 0; c < 3; c++) half_colors->rgb[3 * to + (size_t)c] = n > 0 ? sum[c] / n : 0;
+            half_mask->rgb[3 * to] = n;
+        }
+}
+
+/* Pixels of which nothing is seen have any colour, black mostly, which would make a dark line around what is seen where both are
+ * filtered. They get that of their surroundings, the nearer the finer: from a picture of half the size, where that has any. */
+static Status fill_unseen(Pixels *colors, const Pixels *mask, Error *error)
+{
+    uint32_t width = (mask->width + 1) / 2, height = (mask->height + 1) / 2;
+    size_t n = (size_t)mask->width * mask->height, n_unseen = 0, size = (size_t)width * height * 3 * sizeof(float);
+    for (size_t i = 0; i < n; i++) n_unseen += is_unseen(mask, i);
+    if (n_unseen == 0 || n_unseen == n) return STATUS_OK;
+    Pixels half_colors = {malloc(size), width, height}, half_mask = {malloc(size), width, height};
+    Status status = half_colors.rgb && half_mask.rgb ? STATUS_OK : fail_memory(error, size, "a picture");
+    if (status == STATUS_OK) {
+        halve_seen(colors, mask, &half_colors, &half_mask);
+        status = fill_unseen(&half_colors, &half_mask, error);
+    }
+    for (size_t i = 0; status == STATUS_OK && i < n; i++)
+        if (is_unseen(mask, i))
+            memcpy(colors->rgb + 3 * i, half_colors.rgb + 3 * (i / mask->width / 2 * width + i % mask->width / 2),
+                   3 * sizeof(float));
+    free(half_colors.rgb);
+    free(half_mask.rgb);
+    return status;
+}
+
+/* Colours of EXR files are multiplied by alpha. */
+static void divide_by_alpha(Pixels *colors, const Pixels *mask)
+{
+    size_t n = (size_t)mask->width * mask->height;
+    for (size_t i = 0; i < n; i++)
+        for (int c = 0; c < 3 && !is_unseen(mask, i); c++) colors->rgb[3 * i + (size_t)c] /= mask->rgb[3 * i];
+}
+
 /* ---- reading ---- */
 
 static bool fits(Builder *b, Span span, const PictureWish *wish, const Pixels *pixels)
@@ -118,12 +179,30 @@ static Status load(Builder *b, const PictureWish *wish, Pixels *pixels, Error *e
     return fail(error, STATUS_INPUT, "'%s' has no pixels", wish->path);
 }
 
+static Status load_once(Builder *b, const PictureWish *wish, Pixels *pixels, Error *error)
+{
+    Pixels mask = {0};
+    PictureWish of_mask = *wish;
+    of_mask.space = SCENE_SPACE_ALPHA;
+    TRY(load(b, wish, pixels, error));
+    if (!wish->once || build_is_later(b)) return STATUS_OK;
+    Status status = load(b, &of_mask, &mask, error);
+    bool alike = status == STATUS_OK && mask.width == pixels->width && mask.height == pixels->height;
+    if (alike && strcasecmp(file_extension(wish->path), "exr") == 0) divide_by_alpha(pixels, &mask);
+    if (alike) status = fill_unseen(pixels, &mask, error);
+    free(mask.rgb);
+    if (status == STATUS_OK) return STATUS_OK;
+    free(pixels->rgb);
+    *pixels = (Pixels){0};
+    return status;
+}
+
 static TextureImage *new_picture(Builder *b, Span span, const PictureWish *wish)
 {
     Error error;
     Pixels pixels = {0};
     TextureImage *image = NULL;
-    Status status = load(b, wish, &pixels, &error);
+    Status status = load_once(b, wish, &pixels, &error);
     if (status == STATUS_OK && check_pixels(b, span, wish, &pixels) && fits(b, span, wish, &pixels)) {
         if (wish->use == TEXTURE_OF_NUMBERS) take_channel(&pixels, wish->channel);
         status = wish->use == TEXTURE_OF_COLORS || wish->use == TEXTURE_OF_LIGHT
@@ -147,6 +226,7 @@ const TextureImage *build_texture_image(Builder *b, const EvalNode *node, Textur
     const char *word = eval_word(node, "channel");
     if (!file) return NULL; /* reported */
     PictureWish wish = {.use = use, .channel = -1, .clip = eval_truth(node, "clip")};
+    wish.once = use == TEXTURE_OF_COLORS && strcmp(eval_word(node, "wrap"), "once") == 0;
     wish.path = file->as.text;
     if (use == TEXTURE_OF_NUMBERS) {
         for (int c = 0; c < 3; c++)

@@ -362,6 +362,7 @@ static Texture make_texture(Builder *b, const EvalNode *node, TextureUse use, Te
             float least = 0, most = 0;
             facts->open = build_is_later(b) && use == TEXTURE_OF_NUMBERS;
             if (texture.image && use == TEXTURE_OF_NUMBERS) texture_image_range(texture.image, 0, &least, &most);
+            if (texture.image && texture.wrap == WRAP_ONCE) least = float_min(least, 0), most = float_max(most, 0);
             if (texture.image && use == TEXTURE_OF_LIGHT) least = most = texture_image_luminance(texture.image);
             facts->least = (double)least;
             facts->most = (double)most;

@@ -64,6 +64,78 @@ run compare rough.exr number.exr --max-rmse 1e-5
 exits 0
 end
 
+# label NAME RGB ALPHA: an RGBA picture, clear and black but for a square in the middle, of that grey
+label() {
+    "$python" - "$@" << 'PY'
+import struct, sys, zlib
+name, grey, alpha = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
+def chunk(kind, body):
+    return struct.pack('>I', len(body)) + kind + body + struct.pack('>I', zlib.crc32(kind + body))
+rows = b''.join(b'\0' + b''.join(bytes([grey] * 3 + [alpha]) if 3 <= x < 13 and 3 <= y < 13 else bytes(4) for x in range(16))
+                for y in range(16))
+open(name, 'wb').write(b'\x89PNG\r\n\x1a\n' + chunk(b'IHDR', struct.pack('>IIBBBBB', 16, 16, 8, 6, 0, 0, 0))
+                       + chunk(b'IDAT', zlib.compress(rows)) + chunk(b'IEND', b''))
+PY
+}
+
+begin "a picture that is there once: a label of the wall's own colour is not seen, nor is a line about it; of another it is"
+label same.png 200 255
+for size in 64 4; do # looked up as it is, and in its smaller versions
+    cat > wall.mns << SCENE
+meniscus 1.0 unit cm
+let print = image { file = "same.png"  wrap = once  projection = planar  scale(<4, 4, 1>)  translate(<-2, -2, 0>) }
+let mask = print { channel = alpha }
+param base = 200
+box { from = <-9, -9, -1>  to = <9, 9, 0>
+      surface = surface { albedo = mix { from = srgb(base / 255)  to = print  blend = mask } } }
+camera { from = <0, 0, 9>  to = <0, 0, 0>  fov = 60 }
+environment { color = 1 }
+film { size = <$size, $size> }
+render { samples = 64 }
+SCENE
+    sed 's/albedo = mix.*mask }/albedo = srgb(base \/ 255)/' wall.mns > plain.mns
+    run render wall.mns -o wall.exr -q
+    exits 0
+    run render plain.mns -o plain.exr -q
+    exits 0
+    run compare wall.exr plain.exr --max-rmse 0.002
+    exits 0
+    run render wall.mns -D base=20 -o wall.exr -q
+    run render plain.mns -D base=20 -o plain.exr -q
+    run compare wall.exr plain.exr --max-rmse 0.05
+    [ "$status" != 0 ] || flunk "no label"
+done
+end
+
+begin "a label on glass: what is clear of the picture lets light through as the glass does"
+label none.png 200 0
+label all.png 200 255
+for name in none all; do
+    cat > $name.mns << SCENE
+meniscus 1.0 unit cm
+medium glass { ior = 1.5 }
+let print = image { file = "$name.png"  wrap = once  projection = planar  scale(<8, 8, 1>)  translate(<-4, -4, 0>) }
+box { from = <-9, -9, -1>  to = <9, 9, 0>  interior = glass
+      surface = surface { mix = [surface { ior = 1.5  transmission = 1 }, surface { albedo = print  transmission = 0  ior = 1.5 }]
+                          weight = print { channel = alpha } } }
+box { from = <-9, -9, -4>  to = <9, 9, -3>  surface = surface { albedo = rgb(.8, .1, .1) } }
+camera { from = <0, 0, 30>  to = <0, 0, 0>  fov = 20 }
+environment { color = 1 }
+film { size = <32, 32>  filter = box }
+render { samples = 256  seed = 3 }
+SCENE
+done
+sed '/surface = surface { mix/,/weight/d; s/interior = glass/interior = glass }/' none.mns > bare.mns
+for name in none all bare; do
+    run render $name.mns -o $name.exr -q
+    exits 0
+done
+run compare none.exr bare.exr --max-rmse 0.02
+exits 0
+run compare all.exr bare.exr --max-rmse 0.1
+[ "$status" != 0 ] || flunk "no label"
+end
+
 begin "an unknown colour space: status 3, with the place"
 png flat.png 1 1 9 9 9
 ball space.mns 'albedo = image { file = "flat.png"  colorspace = "nowhere" }'

@@ -85,7 +85,7 @@ static void pixels_are_where_they_are(void **state)
     /* top left, top right, bottom left, bottom right */
     const float pixels[4] = {1, 2, 3, 4};
     TextureImage *image = new_numbers(pixels, 1, 2, 2);
-    for (int wrap = WRAP_REPEAT; wrap <= WRAP_MIRROR; wrap++) {
+    for (int wrap = WRAP_REPEAT; wrap <= WRAP_ONCE; wrap++) {
         TextureWrap w = (TextureWrap)wrap;
         assert_near(number_at(image, 0.25, 0.75, 0, w), 1, 0);
         assert_near(number_at(image, 0.75, 0.75, 0, w), 2, 0);
@@ -104,10 +104,51 @@ static void pixels_are_where_they_are(void **state)
     assert_near(number_at(image, 1.75, -0.75, 0, WRAP_MIRROR), 1, 0);
     static const double odd[] = {1e300, -1e300, 1e13};
     for (size_t i = 0; i < COUNT_OF(odd); i++)
-        for (int wrap = WRAP_REPEAT; wrap <= WRAP_MIRROR; wrap++)
+        for (int wrap = WRAP_REPEAT; wrap <= WRAP_ONCE; wrap++)
             assert_true(isfinite(number_at(image, odd[i], (double)NAN, 0, (TextureWrap)wrap)));
     assert_true(isfinite(number_at(image, HUGE_VAL, 0, (double)NAN, WRAP_REPEAT)));
     assert_true(isfinite(number_at(image, 0, 0, HUGE_VAL, WRAP_REPEAT)));
+    texture_image_free(image);
+}
+
+/* One picture and nothing else: a number is 0 beyond it, half of it at its edge, and all of them together are what the picture has. */
+static void pictures_end_where_they_end(void **state)
+{
+    (void)state;
+    const float pixels[4] = {1, 2, 3, 4};
+    TextureImage *image = new_numbers(pixels, 1, 2, 2);
+    assert_near(number_at(image, -0.25, 0.75, 0, WRAP_ONCE), 0, 0);
+    assert_near(number_at(image, 0.25, 1.25, 0, WRAP_ONCE), 0, 0);
+    assert_near(number_at(image, 1e300, 0.5, 0, WRAP_ONCE), 0, 0);
+    assert_near(number_at(image, (double)NAN, 0.5, 0, WRAP_ONCE), 0, 0);
+    assert_near(number_at(image, 0, 0.75, 0, WRAP_ONCE), 0.5, 1e-6);
+    assert_near(number_at(image, 1, 0, 0, WRAP_ONCE), 1, 1e-6);
+    for (double width = 0.001; width < 5; width *= 5) {
+        enum { STEPS = 200 };
+        double sum = 0;
+        for (int y = 0; y < STEPS; y++)
+            for (int x = 0; x < STEPS; x++)
+                sum += number_at(image, 3 * (x + 0.5) / STEPS - 1, 3 * (y + 0.5) / STEPS - 1, width, WRAP_ONCE);
+        assert_near(sum * 9 / (STEPS * STEPS), 2.5, 0.003);
+    }
+    texture_image_free(image);
+    const float bent[3] = {0.7f, 0.4f, 0.9f};
+    image = new_numbers(bent, 3, 1, 1);
+    float values[3];
+    texture_image_numbers(image, &(TextureLook){.u = 3, .v = 0.5, .wrap = WRAP_ONCE}, values);
+    assert_true(values[0] == 0.5f && values[1] == 0.5f && values[2] == 1);
+    texture_image_numbers(image, &(TextureLook){.u = 0.5, .v = 0.5, .wrap = WRAP_ONCE}, values);
+    assert_true(values[0] == bent[0] && values[1] == bent[1] && values[2] == bent[2]);
+    texture_image_free(image);
+    Error error;
+    TextureLook inside = {.u = 0.5, .v = 0.5, .wrap = WRAP_ONCE}, beyond = {.u = 2, .v = 0.5, .wrap = WRAP_ONCE};
+    assert_int_equal(texture_image_new_colors(bent, 1, 1, &image, &error), STATUS_OK);
+    assert_true(lanes_equal(texture_image_color(image, &inside, lanes_all(550)),
+                            texture_image_color(image, &beyond, lanes_all(550))));
+    texture_image_free(image);
+    assert_int_equal(texture_image_new_light(bent, 1, 1, &image, &error), STATUS_OK);
+    assert_true(lanes_zero(texture_image_color(image, &beyond, lanes_all(550))));
+    assert_false(lanes_zero(texture_image_color(image, &inside, lanes_all(550))));
     texture_image_free(image);
 }
 
@@ -172,6 +213,7 @@ int main(void)
         cmocka_unit_test(means_stay),
         cmocka_unit_test(wide_looks_are_local_means),
         cmocka_unit_test(pixels_are_where_they_are),
+        cmocka_unit_test(pictures_end_where_they_end),
         cmocka_unit_test(colours_are_spectra),
         cmocka_unit_test(sizes_are_checked),
     };
