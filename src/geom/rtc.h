@@ -186,8 +186,21 @@ bool rtc_all(const RtcScene *scene, const Ray *ray, bool stop_at_opaque, HitList
  * always where anything moves. */
 bool rtc_is_away(const RtcScene *scene, Vec3 centre, double radius);
 
+/* A surface that a place is on: no farther from it than numbers tell apart there. */
+typedef struct RtcSurface {
+    uint32_t object;
+    Vec3f normal;    /* geometric, unit, outward */
+    double distance; /* 0 of a piece where double cannot tell the place from the surface */
+    double rounding; /* >= distance: what numbers tell apart there, of the place and of the surface */
+} RtcSurface;
+/* Tells of all surfaces that a place is on, of some more than once, in any order. For single places: planes and the pieces of
+ * scenes of few are all asked. */
+typedef void RtcFound(void *context, const RtcSurface *surface);
+void rtc_surfaces_at(const RtcScene *scene, Vec3 place, double time, RtcFound *found, void *context);
+
 /* The distance that the coordinates of a point can be off by rounding: four units in the last place of its
- * largest coordinate in float. Surfaces nearer to each other than this stand at one place. */
+ * largest coordinate in float. Surfaces nearer to each other than this stand at one place. 0 at the origin, where what is told
+ * apart is up to the coordinates of what stands there. */
 double rtc_rounding(Vec3 p);
 
 /* The shading normal: unit, outward; on the geometric normal's side. It is that one deep in a wedge between surfaces.

@@ -104,7 +104,7 @@ static inline bool is_clear(const Query *query, const Hit *hit, Vec3 edge1, Vec3
     return LIKELY(nearest * fabs(slope) > EDGE_NOISE * length * scale) || rtc_line_is_clear(query, hit, scale);
 }
 
-/* A face whose coordinates are so many times as large as those of a place on it: see coordinate_across. */
+/* A face whose coordinates are so many times as large as those of a place on it: see rtc_coordinate_across. */
 #define LARGE_FACE 8
 
 static double largest_of(double a, double b, double c)
@@ -119,23 +119,27 @@ static double largest_along(Vec3 normal, Vec3 a, Vec3 b, Vec3 c)
            fabs(normal.z) * largest_of(a.z, b.z, c.z);
 }
 
-/* The coordinate that a large triangle's plane is as coarse as, across: a floor of kilometres whose corners are all at one height
- * stands at that height, and what is a millimetre above it is not at one place with it. What a mesh was rounded to before it was
- * placed counts, too. INFINITY: not known. */
-ATTR_COLD static double coordinate_across(const RtcPlaced *object, const Hit *hit, const Corners *corner, Vec3 normal)
+ATTR_COLD double rtc_coordinate_across(const RtcPlaced *object, uint32_t primitive, const Vec3 corner[3], Vec3 normal)
 {
     const RtcMesh *mesh = object->mesh;
     if (mesh->end || object->moves) return (double)INFINITY;
-    double across = largest_along(normal, corner->a, corner->b, corner->c);
+    double across = largest_along(normal, corner[0], corner[1], corner[2]);
     if (mesh->moved || !mesh->baked) {
         Affine to_world = rtc_first_to_world(object);
         uint32_t of[3];
-        rtc_triangle_of(mesh, hit->primitive, of);
+        rtc_triangle_of(mesh, primitive, of);
         const Vec3f *local = mesh->source->positions;
         across += largest_along(affine_normal(&to_world, normal), vec3_from_f(local[of[0]]), vec3_from_f(local[of[1]]),
                                 vec3_from_f(local[of[2]]));
     }
     return across;
+}
+
+/* What a large triangle's plane is as coarse as about a place on it. */
+ATTR_COLD static double coordinate_of_large(const RtcPlaced *object, const Hit *hit, const Corners *corner, Vec3 normal)
+{
+    const Vec3 corners[3] = {corner->a, corner->b, corner->c};
+    return rtc_coordinate_across(object, hit->primitive, corners, normal);
 }
 
 /* Where the ray starts in the very plane of a triangle, Embree's word for whether the triangle is met is not enough:
@@ -161,7 +165,7 @@ static bool complete_triangle(Query *query, const RtcPlaced *object, Hit *hit)
     }
     double here = vec3_max_abs(vec3_along(query->origin, t, query->direction)), coordinate = largest;
     if (UNLIKELY(largest > LARGE_FACE * here)) {
-        double across = coordinate_across(object, hit, &corner, vec3_scale(normal, 1 / length));
+        double across = coordinate_of_large(object, hit, &corner, vec3_scale(normal, 1 / length));
         coordinate = double_min(largest, double_max(here, across));
     }
     double rounding = TRUSTED_ULPS * UNIT_ROUNDING * coordinate;

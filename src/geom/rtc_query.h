@@ -102,6 +102,10 @@ size_t rtc_part_passed(Query *query, size_t n);
 /* Takes repetitions of the ray's start (see rtc.c) out of hits in increasing t; returns how many are left. */
 size_t rtc_drop_repeats(const Ray *ray, Hit *hits, size_t n);
 
+/* The coordinate that a large triangle's plane is as coarse as, across: a floor of kilometres whose corners are all at one height
+ * stands at that height, and what is a millimetre above it is not at one place with it. What a mesh was rounded to before it was
+ * placed counts, too. corner: rtc_triangle's; normal: unit. INFINITY: not known. */
+double rtc_coordinate_across(const RtcPlaced *object, uint32_t primitive, const Vec3 corner[3], Vec3 normal);
 /* The ray in an object's frame, where it is not there yet. */
 void rtc_enter_frame(Query *query, const RtcPlaced *object);
 static inline void rtc_need_frame(Query *query, const RtcPlaced *object)

@@ -58,7 +58,7 @@ static inline float largest_of(float a, float b, float c)
 /* The coordinate that float rounds where a triangle is met: the largest of its corners. But one that is level stands where its
  * one coordinate says, to the bit: cross products of its edges have zeros in the other two, whatever is rounded, and its
  * distance is a quotient of two heights. What float rounds there is no more than that of the place itself, and what the height
- * was rounded to before the mesh was moved: by that surfaces are at one place (coordinate_across in rtc_hit.c). */
+ * was rounded to before the mesh was moved: by that surfaces are at one place (rtc_coordinate_across). */
 static inline double coordinate_of(const RtcMesh *mesh, const Affine *to_world, const uint32_t *of)
 {
     const Vec3f *world = rtc_positions(mesh), *local = mesh->source->positions;

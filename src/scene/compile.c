@@ -149,8 +149,7 @@ static Status build_order(CompiledScene *compiled, NestPolicy policy, Error *err
         const HullPair *pair = &compiled->pairs[i];
         if (needs_order(compiled, pair)) overlaps[n++] = (NestOverlap){pair->a, pair->b, pair->relation};
     }
-    Status status =
-        nest_order_build(&compiled->order, policy, compiled->hulls, compiled->n_hulls, overlaps, n, error);
+    Status status = nest_order_build(&compiled->order, policy, compiled->hulls, compiled->n_hulls, overlaps, n, error);
     free(overlaps);
     return status;
 }
@@ -419,34 +418,35 @@ static void sort_list(const CompiledScene *compiled, NestList *list)
     }
 }
 
-static void add_surface(SurfacesHere *here, const Hit *hit)
+/* By object, then by normal, so that it does not matter in which order surfaces are found. */
+static bool comes_before(const RtcSurface *a, const RtcSurface *b)
 {
-    for (uint32_t i = 0; i < here->n; i++)
-        if (here->objects[i] == hit->object && fabsf(vec3f_dot(here->normals[i], hit->normal)) > 0.9999f) return;
-    here->too_many = here->n == COUNT_OF(here->objects);
-    if (here->too_many) return;
-    here->objects[here->n] = hit->object;
-    here->normals[here->n++] = hit->normal;
+    if (a->object != b->object) return a->object < b->object;
+    if (a->normal.x != b->normal.x) return a->normal.x < b->normal.x;
+    return a->normal.y != b->normal.y ? a->normal.y < b->normal.y : a->normal.z < b->normal.z;
 }
 
-/* Of three directions at right angles at least one is within 55 degrees of a normal, so that a surface within the
- * rounding along the normal shows within twice the rounding along it. */
-void compiled_surfaces_at(const CompiledScene *compiled, Vec3 point, double time, HitList *hits, SurfacesHere *here)
+static void add_surface(void *context, const RtcSurface *surface)
 {
-    double rounding = rtc_rounding(point);
-    *here = (SurfacesHere){0};
-    for (int i = 0; i < LINE_DIRECTIONS && !here->too_many; i++) {
-        Vec3 direction = vec3_rounded(line_direction(i));
-        Ray ray = ray_make(vec3_along(point, -2 * rounding, direction), vec3f_from(direction));
-        ray.time = time;
-        ray.t_max = 4 * rounding;
-        rtc_all(compiled->rtc, &ray, false, hits);
-        for (size_t k = 0; k < hits->n && !here->too_many; k++) {
-            const Hit *hit = &hits->items[k];
-            Vec3 from_point = vec3_sub(ray_point(&ray, hit->t), point);
-            if (fabs(vec3_dot(from_point, vec3_from_f(hit->normal))) <= rounding) add_surface(here, hit);
-        }
+    SurfacesHere *here = context;
+    for (uint32_t i = 0; i < here->n; i++) {
+        RtcSurface *known = &here->items[i];
+        if (known->object != surface->object || fabsf(vec3f_dot(known->normal, surface->normal)) <= 0.9999f) continue;
+        if (surface->distance < known->distance) *known = *surface;
+        return;
     }
+    here->too_many = here->too_many || here->n == COUNT_OF(here->items);
+    uint32_t place = here->n;
+    if (here->n < COUNT_OF(here->items)) here->n++;
+    for (; place > 0 && comes_before(surface, &here->items[place - 1]); place--)
+        if (place < COUNT_OF(here->items)) here->items[place] = here->items[place - 1];
+    if (place < COUNT_OF(here->items)) here->items[place] = *surface;
+}
+
+void compiled_surfaces_at(const CompiledScene *compiled, Vec3 point, double time, SurfacesHere *here)
+{
+    *here = (SurfacesHere){0};
+    rtc_surfaces_at(compiled->rtc, point, time, add_surface, here);
 }
 
 Status compiled_interior(const CompiledScene *compiled, Vec3f point, double time, HitList *hits, NestList *list,
@@ -469,8 +469,8 @@ Status compiled_interior(const CompiledScene *compiled, Vec3f point, double time
     nest_order_settle(&compiled->order, list);
     if (on_surface) {
         SurfacesHere here;
-        compiled_surfaces_at(compiled, at, time, hits, &here);
-        *on_surface = here.n ? here.objects[0] : SCENE_NONE;
+        compiled_surfaces_at(compiled, at, time, &here);
+        *on_surface = here.n ? here.items[0].object : SCENE_NONE;
     }
     return hits->out_of_memory ? STATUS_NOMEM : STATUS_OK;
 }

@@ -110,14 +110,13 @@ static inline void compiled_let_pass(const CompiledScene *compiled, const NestLi
 ATTR_NODISCARD Status compiled_interior(const CompiledScene *compiled, Vec3f point, double time, HitList *hits,
                                         NestList *list, uint32_t *on_surface);
 
-/* The surfaces that a point is on, to within rounding; too_many: there are more. */
+/* The surfaces that a point is on, to within rounding, those of one object that face alike as one; too_many: there are more. */
 typedef struct SurfacesHere {
     uint32_t n;
     bool too_many;
-    uint32_t objects[6];
-    Vec3f normals[6];
+    RtcSurface items[6]; /* by the number of the object */
 } SurfacesHere;
-void compiled_surfaces_at(const CompiledScene *compiled, Vec3 point, double time, HitList *hits, SurfacesHere *here);
+void compiled_surfaces_at(const CompiledScene *compiled, Vec3 point, double time, SurfacesHere *here);
 
 /* The hulls that hold a camera's centre, and the surface (may be NULL) that it is on, as by compiled_interior. A camera that
  * stands on the surface of an operand where its combination has none is moved off that, by some roundings, so that its rays

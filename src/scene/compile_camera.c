@@ -11,9 +11,10 @@ static Status sure_operands(const CompiledScene *compiled, const NestList *list,
     uint32_t n = compiled_operands_in(compiled, list);
     nest_list_empty(operands);
     TRY(nest_list_reserve(operands, n + here->n));
-    for (uint32_t i = 0; i < n; i++) nest_csg_pass(&compiled->csg, operands, nest_item(&compiled->order, list, i), true);
+    for (uint32_t i = 0; i < n; i++)
+        nest_csg_pass(&compiled->csg, operands, nest_item(&compiled->order, list, i), true);
     for (uint32_t k = 0; k < here->n; k++)
-        nest_csg_pass(&compiled->csg, operands, compiled->hull_of_object[here->objects[k]], false);
+        nest_csg_pass(&compiled->csg, operands, compiled->hull_of_object[here->items[k].object], false);
     return STATUS_OK;
 }
 
@@ -23,20 +24,21 @@ static bool holds_at(const CompiledScene *compiled, uint32_t tree, const Surface
 {
     const NestCsg *csg = &compiled->csg;
     for (uint32_t i = 0; i < here->n; i++)
-        if (sides >> i & 1) nest_csg_pass(csg, operands, compiled->hull_of_object[here->objects[i]], true);
+        if (sides >> i & 1) nest_csg_pass(csg, operands, compiled->hull_of_object[here->items[i].object], true);
     bool holds = nest_csg_holds(csg, tree, operands);
     for (uint32_t i = 0; i < here->n; i++)
-        nest_csg_pass(csg, operands, compiled->hull_of_object[here->objects[i]], false);
+        nest_csg_pass(csg, operands, compiled->hull_of_object[here->items[i].object], false);
     return holds;
 }
 
 /* Whether the surfaces here are all of operands, and of none is it a surface of the combination: all around the point
  * that has the same value, whichever of the operands hold it there. */
-static Status are_no_surfaces(const CompiledScene *compiled, const NestList *list, const SurfacesHere *here, bool *result)
+static Status are_no_surfaces(const CompiledScene *compiled, const NestList *list, const SurfacesHere *here,
+                              bool *result)
 {
     *result = !here->too_many;
     for (uint32_t i = 0; i < here->n; i++) {
-        uint32_t operand = compiled->hull_of_object[here->objects[i]];
+        uint32_t operand = compiled->hull_of_object[here->items[i].object];
         *result &= operand != SCENE_NONE && operand >= compiled->n_hulls;
     }
     if (!*result) return STATUS_OK;
@@ -44,7 +46,7 @@ static Status are_no_surfaces(const CompiledScene *compiled, const NestList *lis
     nest_list_init(&operands);
     Status status = sure_operands(compiled, list, here, &operands);
     for (uint32_t i = 0; status == STATUS_OK && i < here->n; i++) {
-        uint32_t tree = nest_csg_tree(&compiled->csg, compiled->hull_of_object[here->objects[i]]);
+        uint32_t tree = nest_csg_tree(&compiled->csg, compiled->hull_of_object[here->items[i].object]);
         bool holds = holds_at(compiled, tree, here, 0, &operands);
         for (uint32_t sides = 1; sides < 1u << here->n; sides++)
             *result &= holds_at(compiled, tree, here, sides, &operands) == holds;
@@ -54,7 +56,7 @@ static Status are_no_surfaces(const CompiledScene *compiled, const NestList *lis
 }
 
 /* A place off those surfaces, to one side or the other of each, and on no other; false when none was found. */
-static bool step_off(const CompiledScene *compiled, const SurfacesHere *here, HitList *hits, Vec3 *point)
+static bool step_off(const CompiledScene *compiled, const SurfacesHere *here, Vec3 *point)
 {
     enum { ROUNDINGS = 4 };
     for (uint32_t sides = 0; sides < 1u << here->n; sides++) {
@@ -62,9 +64,9 @@ static bool step_off(const CompiledScene *compiled, const SurfacesHere *here, Hi
         Vec3 place = *point;
         for (uint32_t i = 0; i < here->n; i++)
             place = vec3_along(place, (sides >> i & 1 ? -ROUNDINGS : ROUNDINGS) * rtc_rounding(*point),
-                               vec3_from_f(here->normals[i]));
+                               vec3_from_f(here->items[i].normal));
         place = vec3_rounded(place); /* whose hulls are found for float */
-        compiled_surfaces_at(compiled, place, 0, hits, &there);
+        compiled_surfaces_at(compiled, place, 0, &there);
         if (there.n) continue;
         *point = place;
         return true;
@@ -72,46 +74,47 @@ static bool step_off(const CompiledScene *compiled, const SurfacesHere *here, Hi
     return false;
 }
 
-static Status stand(const CompiledScene *compiled, SceneCamera *camera, HitList *hits, NestList *list, uint32_t *on_surface)
+static Status stand(const CompiledScene *compiled, SceneCamera *camera, HitList *hits, NestList *list,
+                    uint32_t *on_surface)
 {
     TRY(compiled_interior(compiled, vec3f_from(camera->from), 0, hits, list, on_surface));
     if (*on_surface == SCENE_NONE || camera->keys) return STATUS_OK;
     SurfacesHere here;
     bool none;
-    compiled_surfaces_at(compiled, vec3_rounded(camera->from), 0, hits, &here);
+    compiled_surfaces_at(compiled, vec3_rounded(camera->from), 0, &here);
     TRY(are_no_surfaces(compiled, list, &here, &none));
-    if (!none || !step_off(compiled, &here, hits, &camera->from)) return STATUS_OK;
+    if (!none || !step_off(compiled, &here, &camera->from)) return STATUS_OK;
     return compiled_interior(compiled, vec3f_from(camera->from), 0, hits, list, on_surface);
 }
 
-Status compiled_stand(const CompiledScene *compiled, SceneCamera *camera, NestList *list, uint32_t *on_surface, Error *error)
+Status compiled_stand(const CompiledScene *compiled, SceneCamera *camera, NestList *list, uint32_t *on_surface,
+                      Error *error)
 {
     HitList hits = {0};
     uint32_t surface;
     Status status = stand(compiled, camera, &hits, list, on_surface ? on_surface : &surface);
-    if (status != STATUS_OK) status = fail_memory(error, hits.capacity * sizeof *hits.items, "the camera's surroundings");
+    if (status != STATUS_OK)
+        status = fail_memory(error, hits.capacity * sizeof *hits.items, "the camera's surroundings");
     hit_list_clear(&hits);
     return status;
 }
 
 /* ---- on a surface in the picture plane ---- */
 
-/* An object of which a surface lies in the plane that an orthographic camera's rays start in, over more than a little of its
- * picture; SCENE_NONE: there is none. What cuts through the plane parts the rays, and each of them is on one side. */
-static Status surface_in_plane(const CompiledScene *compiled, const SceneCamera *camera, uint32_t *object, Error *error)
+/* Of an object that lies in the plane that an orthographic camera's rays start in, over more than a little of its picture, the
+ * surface; false: there is none. What cuts through the plane parts the rays, and each of them is on one side. */
+static bool surface_in_plane(const CompiledScene *compiled, const SceneCamera *camera, RtcSurface *surface)
 {
-    HitList hits = {0};
-    *object = SCENE_NONE;
-    for (uint32_t i = 0; i < SCENE_CAMERA_PLACES && *object == SCENE_NONE; i++) {
+    for (uint32_t i = 0; i < SCENE_CAMERA_PLACES; i++) {
         SurfacesHere here;
-        Vec3 place = vec3_rounded(scene_camera_some_place(compiled->scene, camera, i));
-        compiled_surfaces_at(compiled, place, 0, &hits, &here);
-        for (uint32_t k = 0; k < here.n; k++)
-            if (fabs(vec3_dot(vec3_from_f(here.normals[k]), camera->forward)) > 1 - 1e-6) *object = here.objects[k];
+        compiled_surfaces_at(compiled, vec3_rounded(scene_camera_some_place(compiled->scene, camera, i)), 0, &here);
+        for (uint32_t k = 0; k < here.n; k++) {
+            if (fabs(vec3_dot(vec3_from_f(here.items[k].normal), camera->forward)) <= 1 - 1e-6) continue;
+            *surface = here.items[k];
+            return true;
+        }
     }
-    bool fine = !hits.out_of_memory;
-    hit_list_clear(&hits);
-    return fine ? STATUS_OK : fail_memory(error, 0, "the camera's surroundings");
+    return false;
 }
 
 /* ---- reports ---- */
@@ -164,14 +167,24 @@ static Status report_expectation(const CompiledScene *compiled, const SceneCamer
     return STATUS_SCENE;
 }
 
-static void report_on_surface(const CompiledScene *compiled, const SceneCamera *camera, bool plane, uint32_t on_surface,
-                              Diag *diag)
+static void report_on_surface(const CompiledScene *compiled, const SceneCamera *camera, bool plane,
+                              const RtcSurface *surface, Diag *diag)
 {
-    const SceneObject *object = &compiled->scene->objects[on_surface];
-    Diagnostic *report = diag_report(diag, D_CAMERA_ON_SURFACE, camera->span, "%s%s is exactly on the surface of %s",
-                                     plane ? "the picture plane of " : "", camera->name, object->name);
+    const SceneObject *object = &compiled->scene->objects[surface->object];
+    const char *of = plane ? "the picture plane of " : "";
+    Diagnostic *report =
+        surface->distance > 0
+            ? diag_report(diag, D_CAMERA_ON_SURFACE, camera->span,
+                          "%s%s is %.1g from the surface of %s, and places there are told apart by %.1g", of,
+                          camera->name, surface->distance, object->name, surface->rounding)
+            : diag_report(diag, D_CAMERA_ON_SURFACE, camera->span, "%s%s is exactly on the surface of %s", of,
+                          camera->name, object->name);
     diag_note(diag, report, object->span, "%s is here", object->name);
-    diag_hint(diag, report, "move it by a little, to the side that it is meant to be on");
+    if (surface->rounding > 0)
+        diag_hint(diag, report, "move it by %.1g or more, to the side that it is meant to be on",
+                  2 * surface->rounding);
+    else
+        diag_hint(diag, report, "move it by a little, to the side that it is meant to be on");
 }
 
 Status compile_check_camera(const CompiledScene *compiled, uint32_t camera_number, Diag *diag, Error *error)
@@ -180,15 +193,21 @@ Status compile_check_camera(const CompiledScene *compiled, uint32_t camera_numbe
     SceneCamera standing = *camera;
     NestList list;
     nest_list_init(&list);
-    uint32_t on_surface, in_plane = SCENE_NONE;
+    uint32_t on_surface;
+    bool in_plane = false;
+    RtcSurface surface;
     Status status = compiled_stand(compiled, &standing, &list, &on_surface, error);
     if (camera->projection == PROJECTION_ORTHOGRAPHIC) {
-        if (status == STATUS_OK) status = surface_in_plane(compiled, &standing, &in_plane, error);
+        in_plane = status == STATUS_OK && surface_in_plane(compiled, &standing, &surface);
         if (!camera->expect) on_surface = SCENE_NONE; /* one that cuts through its middle */
     }
-    if (status == STATUS_OK && (on_surface != SCENE_NONE || in_plane != SCENE_NONE)) {
-        bool plane = in_plane != SCENE_NONE;
-        report_on_surface(compiled, camera, plane, plane ? in_plane : on_surface, diag);
+    if (status == STATUS_OK && !in_plane && on_surface != SCENE_NONE) {
+        SurfacesHere here;
+        compiled_surfaces_at(compiled, vec3_rounded(standing.from), 0, &here);
+        surface = here.items[0];
+    }
+    if (status == STATUS_OK && (on_surface != SCENE_NONE || in_plane)) {
+        report_on_surface(compiled, camera, in_plane, &surface, diag);
         status = STATUS_SCENE;
     } else if (status == STATUS_OK && camera->expect && !meets_expectation(compiled, camera, &list)) {
         status = report_expectation(compiled, camera, &list, diag, error);

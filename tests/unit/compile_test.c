@@ -536,14 +536,11 @@ static void random_points_agree_with_formulas(void **state)
 
 /* ---- cameras ---- */
 
-static void check_cameras(const char *text, DiagCode expected, const char *word)
+static void check_alone(const char *text, DiagCode expected, const char *word)
 {
     Fixture f;
     char whole[2000];
-    snprintf(whole, sizeof whole,
-             "%s environment { } cylinder pond { interior = water from = <0, -5, 0> to = <0, 0, 0> radius = 9 } "
-             "box pane { interior = glass from = <0, -9, 20> to = <1, 9, 30> } %s",
-             M, text);
+    snprintf(whole, sizeof whole, "%s environment { } %s", M, text);
     fixture_compile(&f, whole, 1);
     Status status = compile_check_camera(f.compiled, 0, &f.diag, &f.error);
     const Diagnostic *report = f.diag.first;
@@ -559,6 +556,16 @@ static void check_cameras(const char *text, DiagCode expected, const char *word)
         assert_non_null(strstr(report->text, word));
     }
     fixture_clear(&f);
+}
+
+static void check_cameras(const char *text, DiagCode expected, const char *word)
+{
+    char whole[1800];
+    snprintf(whole, sizeof whole,
+             "cylinder pond { interior = water from = <0, -5, 0> to = <0, 0, 0> radius = 9 } "
+             "box pane { interior = glass from = <0, -9, 20> to = <1, 9, 30> } %s",
+             text);
+    check_alone(whole, expected, word);
 }
 
 static void cameras_are_where_they_are_expected(void **state)
@@ -578,8 +585,9 @@ static void cameras_are_where_they_are_expected(void **state)
 }
 
 /* The faces of a cutter at x = 30 and x = 41 reach beyond the ball of radius 3 about <40, 0, 0>. */
-#define CUT "difference cut { interior = glass  sphere { center = <40, 0, 0> radius = 3 } " \
-            "box { from = <30, -9, -9> to = <41, 9, 9> } }"
+#define CUT                                                                                                            \
+    "difference cut { interior = glass  sphere { center = <40, 0, 0> radius = 3 } "                                    \
+    "box { from = <30, -9, -9> to = <41, 9, 9> } }"
 
 static void cameras_may_stand_on_what_is_no_surface(void **state)
 {
@@ -598,6 +606,50 @@ static void cameras_may_stand_on_what_is_no_surface(void **state)
     check_cameras(CUT "box { interior = glass  from = <30, 0, 0> to = <33, 9, 9> }"
                       "camera eye { from = <30, 5, 5> to = <50, 0, 0> }",
                   D_CAMERA_ON_SURFACE, "box");
+}
+
+/* Wherever that is: the origin has no coordinates of its own to be off by. Near is not on it, in scenes of any size. */
+static void cameras_at_corners_and_tips_are_on_them(void **state)
+{
+    (void)state;
+    const struct {
+        const char *object;
+        double tip[3], out[3]; /* a corner or a tip, and which way it looks */
+    } shapes[] = {
+        {"box a { interior = glass from = <-1, -1, -1> to = <0, 0, 0> }", {0, 0, 0}, {1, 1, 1}},
+        {"box a { interior = glass from = <-1, -1, -1> to = <.25, .5, .75> }", {.25, .5, .75}, {1, 1, 1}},
+        {"mesh a { positions = [<0,0,0>, <1,0,0>, <0,1,0>, <0,0,1>] triangles = [<0,2,1>, <0,3,2>, <0,1,3>, <1,2,3>] "
+         "interior = glass }",
+         {0, 0, 0},
+         {-1, -1, -1}},
+        {"cone a { radius_from = 1 radius_to = 0 interior = glass }", {0, 1, 0}, {0, 1, 0}},
+        {"cone a { from = <0, -1, 0> to = <0, 0, 0> radius_from = 1 radius_to = 0 interior = glass }",
+         {0, 0, 0},
+         {0, 1, 0}},
+        {"cone a { from = <.1, .2, .3> to = <.7, .6, .5> radius_from = .5 radius_to = 0 interior = glass }",
+         {.7, .6, .5},
+         {3, 2, 1}},
+        {"lathe a { profile = [<0, -1>, <1, -1>, <0, 0>] interior = glass scale(<1, 1e-3, 5>) rotate(<20, 40, 60>) "
+         "translate(<1, 2, 3>) }",
+         {1, 2, 3},
+         {0, 0, 0}},
+        {"sphere a { center = <3, 4, 0> radius = 5 interior = glass }", {0, 0, 0}, {-3, -4, 0}},
+        {"torus a { radius = 3 tube = 1 interior = glass translate(<-4, 0, 0>) }", {0, 0, 0}, {1, 0, 0}},
+    };
+    const double sizes[] = {1, 1e-12, 1e9};
+    for (size_t i = 0; i < COUNT_OF(shapes); i++)
+        for (size_t k = 0; k < COUNT_OF(sizes); k++)
+            for (int off = 0; off < 2; off++) {
+                char text[1000];
+                double place[3], size = sizes[k];
+                for (int axis = 0; axis < 3; axis++)
+                    place[axis] = size * (shapes[i].tip[axis] + off * 4e-6 * shapes[i].out[axis]);
+                if (off && shapes[i].out[1] == 0 && shapes[i].out[0] == 0) continue;
+                snprintf(text, sizeof text,
+                         "group { %s scale(%.17g) } camera { from = <%.17g, %.17g, %.17g> to = <0, 0, %.17g> }",
+                         shapes[i].object, size, place[0], place[1], place[2], 50 * size);
+                check_alone(text, off ? D_COUNT : D_CAMERA_ON_SURFACE, "surface of a");
+            }
 }
 
 /* The box of a mesh stands in for its vertices where the map keeps the axes, and gives the same bits. */
@@ -641,6 +693,7 @@ int main(void)
         cmocka_unit_test(random_points_agree_with_formulas),
         cmocka_unit_test(cameras_are_where_they_are_expected),
         cmocka_unit_test(cameras_may_stand_on_what_is_no_surface),
+        cmocka_unit_test(cameras_at_corners_and_tips_are_on_them),
     };
     return cmocka_run_group_tests_name("compile", tests, NULL, NULL);
 }
