@@ -598,7 +598,7 @@ static void query_init(Query *query, const RtcScene *scene, const Ray *ray, HitL
     query->hits = hits;
     query->passed = passed;
     query->passes = passed && (ray->pass_level || ray->pass_alike != RTC_NO_PASS);
-    query->local.frame = RTC_NO_OBJECT;
+    query->local.frame = query->all_along = RTC_NO_OBJECT;
     hits->n = 0;
     if (passed) passed->n = 0;
 }
@@ -731,6 +731,7 @@ static bool search_nearest(Query *query)
     query->reach = HUGE_VAL;
     query->doubt = 0;
     query->hits->n = 0;
+    query->all_along = RTC_NO_OBJECT;
     if (query->passes) query->passed->n = 0;
     forget_eighths(query);
     struct RTCRayHit embree;

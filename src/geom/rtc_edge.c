@@ -129,22 +129,67 @@ static void take_triangle(Query *query, uint32_t object, uint32_t primitive)
     if (list == query->hits && !query->all) rtc_shorten(query, hit);
 }
 
+/* What a line looks like from along it: see rtc_line_meets. */
+typedef struct Sight {
+    int along, i, j;
+    double origin[3], slope_i, slope_j;
+} Sight;
+
+static Sight sight_of(const Query *query)
+{
+    const Vec3 *o = &query->origin, *d = &query->direction;
+    const double direction[3] = {d->x, d->y, d->z};
+    double x = fabs(d->x), y = fabs(d->y), z = fabs(d->z);
+    int k = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2), i = next[k], j = next[i];
+    return (Sight){k, i, j, {o->x, o->y, o->z}, direction[i] / direction[k], direction[j] / direction[k]};
+}
+
+/* Whether a line passes by all four corners of a quad on one side, as nearly all do that are asked about. */
+static bool passes_by(const Sight *sight, const RtcQuad *quad)
+{
+    unsigned i_above = 0, i_below = 0, j_above = 0, j_below = 0;
+    for (int c = 0; c < 4; c++) {
+        const Vec3f *corner = &quad->corner[c];
+        const double at[3] = {(double)corner->x, (double)corner->y, (double)corner->z};
+        double along = at[sight->along] - sight->origin[sight->along];
+        double i = (at[sight->i] - sight->origin[sight->i]) - sight->slope_i * along,
+               j = (at[sight->j] - sight->origin[sight->j]) - sight->slope_j * along;
+        i_above += i > 0;
+        i_below += i < 0;
+        j_above += j > 0;
+        j_below += j < 0;
+    }
+    return i_above == 4 || i_below == 4 || j_above == 4 || j_below == 4;
+}
+
+/* Triangles of an object: first <= i < end, the first of them the first of its quad. */
+static void take_triangles(Query *query, const Sight *sight, uint32_t object, uint32_t first, uint32_t end)
+{
+    const RtcMesh *mesh = query->scene->objects[object].mesh;
+    for (uint32_t i = first; i < end; i += 2) {
+        if (mesh->baked && passes_by(sight, &mesh->quads[i / 2])) continue;
+        take_triangle(query, object, i);
+        if (i + 1 < end) take_triangle(query, object, i + 1);
+    }
+}
+
 typedef struct Taking {
     Query *query;
+    const Sight *sight;
     uint32_t object;
 } Taking;
 
-static void take_triangles(void *context, uint32_t first, uint32_t end)
+static void take_along(void *context, uint32_t first, uint32_t end)
 {
     const Taking *taking = context;
-    for (uint32_t i = first; i < end; i++) take_triangle(taking->query, taking->object, i);
+    take_triangles(taking->query, taking->sight, taking->object, first, end);
 }
 
 /* All triangles of an object along the ray. */
-static void take_all(Query *query, uint32_t object)
+static void take_all(Query *query, const Sight *sight, uint32_t object)
 {
-    Taking taking = {query, object};
-    rtc_along(query->scene, object, query->origin, query->direction, query->ray->time, take_triangles, &taking);
+    Taking taking = {query, sight, object};
+    rtc_along(query->scene, object, query->origin, query->direction, query->ray->time, take_along, &taking);
 }
 
 /* Whether the ray runs along a triangle, so that Embree's may be on its other side for a long way. */
@@ -156,33 +201,38 @@ static bool creeps_along(const Query *query, uint32_t object, uint32_t primitive
     return fabs(vec3_dot(normal, query->direction)) <= CREEPING * vec3_length(normal);
 }
 
-typedef struct Start {
+/* More triangles than that about one place: there floats are so coarse that it takes less to ask those along the line, wherever
+ * they are, and about the place only as far as Embree's line may run beside the exact one. */
+enum { MANY = 200 };
+
+typedef struct Around {
     Query *query;
-    uint32_t asked; /* the object whose triangles have all been taken last */
-} Start;
+    bool at_start;
+    float least_radius; /* where there are many */
+    uint32_t n;
+    Sight sight;
+} Around;
 
-/* Triangles about the start. Where that is at an edge of a face along which the ray creeps, it may come through that face far
- * away from there. */
-static bool take_at_start(struct RTCPointQueryFunctionArguments *arguments)
+/* Triangles about a place. At the start: where that is at an edge of a face along which the ray creeps, it may come through that
+ * face far away from there. */
+static bool take_around(struct RTCPointQueryFunctionArguments *arguments)
 {
-    Start *start = arguments->userPtr;
-    Query *query = start->query;
+    Around *around = arguments->userPtr;
+    Query *query = around->query;
     Asked asked = triangles_asked(query->scene, arguments);
-    for (uint32_t i = asked.first; i < asked.end; i++) {
-        take_triangle(query, asked.object, i);
-        if (!query->ray->at_edge || asked.object == start->asked || !creeps_along(query, asked.object, i)) continue;
-        start->asked = asked.object;
-        take_all(query, asked.object);
+    if (asked.object == query->all_along || asked.first == asked.end) return false;
+    bool shrink = false, edge = around->at_start && query->ray->at_edge, all = ++around->n > MANY;
+    for (uint32_t i = asked.first; edge && !all && i < asked.end; i++) all = creeps_along(query, asked.object, i);
+    if (UNLIKELY(all)) {
+        shrink = around->n > MANY && arguments->query->radius > around->least_radius;
+        if (around->n > MANY) around->n = 0;
+        if (shrink) arguments->query->radius = around->least_radius;
+        query->all_along = asked.object;
+        take_all(query, &around->sight, asked.object);
+        return shrink;
     }
+    take_triangles(query, &around->sight, asked.object, asked.first, asked.end);
     return false;
-}
-
-static bool take_neighbours(struct RTCPointQueryFunctionArguments *arguments)
-{
-    Query *query = arguments->userPtr;
-    Asked asked = triangles_asked(query->scene, arguments);
-    for (uint32_t i = asked.first; i < asked.end; i++) take_triangle(query, asked.object, i);
-    return false; /* the radius stays */
 }
 
 /* Asks about all triangles whose boxes come that near to a place. */
@@ -196,9 +246,11 @@ static void ask_around(const RtcScene *scene, Vec3 place, double time, double ra
     rtcPointQuery(scene->world, &about, &context, ask, asker);
 }
 
-static void look_around(Query *query, Vec3 place, double radius)
+/* least_radius: where there are many triangles. */
+static void look_around(Query *query, Vec3 place, bool at_start, double radius, double least_radius)
 {
-    ask_around(query->scene, place, query->ray->time, radius, take_neighbours, query);
+    Around around = {query, at_start, (float)least_radius, 0, sight_of(query)};
+    ask_around(query->scene, place, query->ray->time, radius, take_around, &around);
 }
 
 void rtc_look_at(Query *query, const Hit *at)
@@ -220,7 +272,8 @@ void rtc_look_at(Query *query, const Hit *at)
     }
     /* Where Embree's line runs beside the exact one, it comes to a flat surface that much earlier or later, a few faces away. */
     double along = 4 / double_max(fabs(hit.cos_normal), CREEPING);
-    look_around(query, inside, far + 2 * vec3_length(vec3_sub(place, inside)) + double_max(8, along) * hit.rounding);
+    double near = far + 2 * vec3_length(vec3_sub(place, inside));
+    look_around(query, inside, false, near + double_max(8, along) * hit.rounding, near + 2 * hit.rounding);
 }
 
 static void look_at_all(Query *query, HitList *hits)
@@ -233,11 +286,23 @@ static void look_at_all(Query *query, HitList *hits)
     hits->n = kept;
 }
 
+/* How far from the start triangles may be that Embree passes by there: where its line, which runs beside the exact one, comes
+ * through a surface that the ray starts on, it is that much farther on along it as the ray is aslant; what it meets then instead
+ * of a neighbour is dropped as the start. */
+static double around_start(const Query *query, Vec3 start, double beside)
+{
+    const Ray *ray = query->ray;
+    double most = 16 * rtc_rounding(start), slope = (double)ray->least_slope;
+    if (query->t_min > 0 || !ray->n_left || !(slope > 0)) return double_max(most, beside);
+    return double_max(double_min(most, (1 + 1 / slope) * LINE_NOISE * vec3_max_abs(start)), beside);
+}
+
 void rtc_look_closer(Query *query)
 {
     Vec3 start = vec3_along(query->origin, query->t_min, query->direction);
-    Start about = {query, RTC_NO_OBJECT};
-    ask_around(query->scene, start, query->ray->time, 16 * rtc_rounding(start), take_at_start, &about);
+    double beside =
+        LINE_NOISE * query->start_scale; /* at the origin, too, where nothing is rounded of the place itself */
+    look_around(query, start, true, around_start(query, start, beside), beside);
     look_at_all(query, query->hits);
     if (query->passes) look_at_all(query, query->passed);
 }
@@ -310,7 +375,8 @@ static void find_solids_beside(const Beside *beside, HitList *along)
 
 size_t rtc_beside(const RtcScene *scene, const Ray *ray, HitList *found, HitList *along)
 {
-    Beside beside = {scene, ray, 2 * rtc_rounding(ray->origin), found};
+    double radius = double_max(2 * rtc_rounding(ray->origin), DOUBLE_NOISE * ray->start_scale);
+    Beside beside = {scene, ray, radius, found};
     found->n = 0;
     if (ray->n_left) {
         ask_around(scene, ray->origin, ray->time, beside.radius, find_beside, &beside);

@@ -1,5 +1,7 @@
 /* rtc_waves_test.c - rays that creep over meshes of gentle waves, and rays in the edge of a blade.
  * SPDX-License-Identifier: Apache-2.0 */
+#include "base/clock.h"
+#include "icosphere.h"
 #include "rtc_fixture.h"
 
 #include <math.h>
@@ -184,10 +186,57 @@ static void test_mirrored_in_a_blade(void **state)
     destroy(&s);
 }
 
+/* The nearest surface, by all triangles along the line in double. */
+static double exact_distance(const TestScene *s, const Ray *ray, bool entering)
+{
+    HitList hits = {0};
+    double t = rtc_find_missed(s->rtc, ray, 0, entering, HUGE_VAL, &hits) ? hits.items[0].t : HUGE_VAL;
+    hit_list_clear(&hits);
+    return t;
+}
+
+/* So fine a mesh so far away that a float's steps there are as long as its triangles, and every hit is within rounding of
+ * edges: of very many neighbours not all are asked, and no surface is lost for it. */
+static void test_fine_and_far_away(void **state)
+{
+    (void)state;
+    enum { RAYS = 6000 };
+    const double places[] = {0, 3e3, 3e4, 1e5};
+    for (size_t i = 0; i < COUNT_OF(places); i++) {
+        HitList lists[2] = {{0}};
+        TestScene s = {0};
+        uint64_t random = 7;
+        Vec3 middle = vec3(places[i], places[i], -places[i]);
+        add(&s, keep_mesh(&s, icosphere(1, 5)), NULL, turned(0, vec3(0, 1, 0), middle));
+        build(&s);
+        double start = clock_cpu_s();
+        size_t n_met = 0;
+        for (int k = 0; k < RAYS; k++) {
+            Vec3 aim = vec3_along(middle, .9 * unit(&random), random_direction(&random));
+            Ray ray = ray_through(vec3_along(middle, 4, random_direction(&random)), aim, 0);
+            double expected = exact_distance(&s, &ray, true);
+            for (int turn = 0; turn < 4; turn++) {
+                HitList *hits = &lists[turn % 2];
+                size_t n = rtc_nearest(s.rtc, &ray, hits, NULL);
+                if (turn == 0) assert_true(n ? hits->items[0].t == expected : expected == HUGE_VAL);
+                if (!n) break;
+                n_met++;
+                Vec3f on = turn == 0 ? ray.direction : mirrored_inside(&s, &ray, &hits->items[0]);
+                rtc_leave(s.rtc, &ray, hits->items, &n, turn == 0, on, &ray);
+            }
+        }
+        printf("        a fine mesh at %g: %zu places met in %.2f s\n", places[i], n_met, clock_cpu_s() - start);
+        assert_true(n_met > 3 * RAYS);
+        hit_list_clear(&lists[0]);
+        hit_list_clear(&lists[1]);
+        destroy(&s);
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_mirrored_in_a_blade),
-                                       cmocka_unit_test(test_under_three_faces),
-                                       cmocka_unit_test(test_mirrored_by_waves)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_mirrored_in_a_blade), cmocka_unit_test(test_fine_and_far_away),
+        cmocka_unit_test(test_under_three_faces), cmocka_unit_test(test_mirrored_by_waves)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
