@@ -248,6 +248,7 @@ Status compile_scene(const Scene *scene, NestPolicy policy, Pool *pool, Diag *di
         status = compile_check_camera(compiled, i, diag, error);
         if (status == STATUS_SCENE) status = STATUS_OK; /* it is in diag; the geometry is as good as ever */
     }
+    if (status == STATUS_OK && diag) status = compile_check_lights(compiled, diag, error);
     if (status == STATUS_OK)
         *out = compiled;
     else

@@ -117,6 +117,9 @@ typedef struct SurfacesHere {
     RtcSurface items[6]; /* by the number of the object */
 } SurfacesHere;
 void compiled_surfaces_at(const CompiledScene *compiled, Vec3 point, double time, SurfacesHere *here);
+/* Whether the surfaces here, at a point that the list is of, are all of operands, and none is a surface of its combination. */
+ATTR_NODISCARD Status compiled_are_no_surfaces(const CompiledScene *compiled, const NestList *list,
+                                               const SurfacesHere *here, bool *result);
 
 /* The hulls that hold a camera's centre, and the surface (may be NULL) that it is on, as by compiled_interior. A camera that
  * stands on the surface of an operand where its combination has none is moved off that, by some roundings, so that its rays
@@ -125,5 +128,8 @@ ATTR_NODISCARD Status compiled_stand(const CompiledScene *compiled, SceneCamera 
                                      uint32_t *on_surface, Error *error);
 /* Reports a camera that is on a surface, or in other media than its `expect` says; STATUS_SCENE after that. */
 ATTR_NODISCARD Status compile_check_camera(const CompiledScene *compiled, uint32_t camera, Diag *diag, Error *error);
+/* Warns of lights that are on a surface of a clear object: without size, so that rounding decides on which side, or flat and in a
+ * face that they shine into, which counts as inside. STATUS_NOMEM. */
+ATTR_NODISCARD Status compile_check_lights(const CompiledScene *compiled, Diag *diag, Error *error);
 
 #endif

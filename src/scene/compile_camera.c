@@ -31,10 +31,9 @@ static bool holds_at(const CompiledScene *compiled, uint32_t tree, const Surface
     return holds;
 }
 
-/* Whether the surfaces here are all of operands, and of none is it a surface of the combination: all around the point
- * that has the same value, whichever of the operands hold it there. */
-static Status are_no_surfaces(const CompiledScene *compiled, const NestList *list, const SurfacesHere *here,
-                              bool *result)
+/* All around the point the combinations have the same value, whichever of the operands hold it there. */
+Status compiled_are_no_surfaces(const CompiledScene *compiled, const NestList *list, const SurfacesHere *here,
+                                bool *result)
 {
     *result = !here->too_many;
     for (uint32_t i = 0; i < here->n; i++) {
@@ -82,7 +81,7 @@ static Status stand(const CompiledScene *compiled, SceneCamera *camera, HitList 
     SurfacesHere here;
     bool none;
     compiled_surfaces_at(compiled, vec3_rounded(camera->from), 0, &here);
-    TRY(are_no_surfaces(compiled, list, &here, &none));
+    TRY(compiled_are_no_surfaces(compiled, list, &here, &none));
     if (!none || !step_off(compiled, &here, &camera->from)) return STATUS_OK;
     return compiled_interior(compiled, vec3f_from(camera->from), 0, hits, list, on_surface);
 }
