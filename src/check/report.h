@@ -21,6 +21,8 @@ void report_lost_lights(const CompiledScene *compiled, const ReportView *view, D
 void report_endless(const CompiledScene *compiled, Diag *diag);
 /* And of each volume that covers next to nothing of an object whose medium varies by it. */
 void report_small_volumes(const CompiledScene *compiled, Diag *diag);
+/* And remarks on what is so thin, or so far from the origin, that coordinates are coarse for it. */
+void report_coarse_places(const CompiledScene *compiled, Diag *diag);
 /* And of each mesh of which a part lies within another and faces outward. */
 void report_nested_parts(const CompiledScene *compiled, Diag *diag);
 /* And of what mesh files say of their materials, which is not taken, where it is of several and all of the mesh of one. */

@@ -187,11 +187,12 @@ static void remark_mostly_hidden(Remarks *r)
         double hidden = pair->overlap_volume / compiled->hulls[verdict.bottom].volume;
         if (medium->state != NEST_LIQUID || hidden < most || is_one_of_many(r, verdict.bottom)) continue;
         if (r->scene->media[compiled->hulls[verdict.top].medium].state != NEST_GAS || !tally_next(&tally)) continue;
-        const SceneObject *liquid = report_object(compiled, verdict.bottom), *gas = report_object(compiled, verdict.top);
-        Diagnostic *report =
-            diag_report(r->diag, D_MOSTLY_HIDDEN, liquid->span,
-                        "%s is hidden in %s but for %.2g %% of it, as gas is on top of a liquid that is not wholly inside",
-                        liquid->name, gas->name, 100 * fmax(0, 1 - hidden));
+        const SceneObject *liquid = report_object(compiled, verdict.bottom),
+                          *gas = report_object(compiled, verdict.top);
+        Diagnostic *report = diag_report(
+            r->diag, D_MOSTLY_HIDDEN, liquid->span,
+            "%s is hidden in %s but for %.2g %% of it, as gas is on top of a liquid that is not wholly inside",
+            liquid->name, gas->name, 100 * fmax(0, 1 - hidden));
         diag_note(r->diag, report, gas->span, "%s is here", gas->name);
         diag_hint(r->diag, report, "let it end within %s, or give it a larger priority", gas->name);
     }
@@ -367,43 +368,6 @@ static bool meets_anything(const Remarks *r, uint32_t object)
         }
     }
     return false;
-}
-
-/* A ball or the like, and no operand: its picture is the same to 1e-5 where its size is 8 times what coordinates tell apart
- * (tests/truth/far_test.c, at 4e5), if no other clear object meets it. */
-static bool is_exact(const Scene *scene, uint32_t object)
-{
-    const SceneObject *row = &scene->objects[object];
-    return row->shape != SCENE_NONE && row->part_of == SCENE_NONE && scene->shapes[row->shape].solid;
-}
-
-/* Where two surfaces of an object are taken to be at one place along more than a few rays in a million, these lose count. */
-static void remark_coarse_places(Remarks *r)
-{
-    const double few = 256, few_alone = 8;
-    Tally tally = {.code = D_COARSE_PLACE};
-    bool *meets = calloc(r->scene->n_objects + 1, sizeof *meets);
-    for (size_t i = 0; meets && i < r->compiled->n_pairs; i++)
-        meets[r->compiled->pairs[i].a] = meets[r->compiled->pairs[i].b] = true;
-    for (uint32_t h = 0; meets && h < r->compiled->n_hulls; h++) {
-        const SceneObject *object = report_object(r->compiled, h);
-        uint32_t at = r->compiled->object_of_hull[h];
-        const Box3 *box = &r->bounds[at];
-        double thin = fmin(box->max.x - box->min.x, fmin(box->max.y - box->min.y, box->max.z - box->min.z));
-        double enough = (is_exact(r->scene, at) && !meets[at] ? few_alone : few) * rounding_in(box);
-        if (!(thin > 0) || !isfinite(size_of(box)) || thin >= enough || !tally_next(&tally)) continue;
-        Buf size = {0}, rounding = {0};
-        report_add_length(&size, r->scene, thin);
-        report_add_length(&rounding, r->scene, rounding_in(box));
-        Diagnostic *report = diag_report(r->diag, D_COARSE_PLACE, object->span,
-                                         "%s is %s thick where coordinates tell surfaces apart only down to %s",
-                                         object->name, buf_text(&size), buf_text(&rounding));
-        diag_hint(r->diag, report, "make it thicker, or move the scene, with its cameras, nearer to the origin");
-        buf_clear(&size);
-        buf_clear(&rounding);
-    }
-    free(meets);
-    tally_end(r, &tally);
 }
 
 /* Places on a surface, and its normals there. */
@@ -710,7 +674,7 @@ void report_remarks(const CompiledScene *compiled, Diag *diag)
         remark_behind_ground(&r);
         remark_odd_size(&r);
         remark_still_animation(&r);
-        remark_coarse_places(&r);
+        report_coarse_places(compiled, diag);
         remark_loose_liquid(&r);
         remark_cameras(&r);
         remark_covered_cameras(&r);

@@ -201,7 +201,8 @@ void render_warn(const RenderRun *run)
     if (faults)
         talk_warning(talk,
                      "%llu nesting fault%s, %.3g per million crossings: a surface was left that was never entered, or entered "
-                     "twice; a mesh that crosses itself does that, and 'meniscus check' may find it",
+                     "twice; 'meniscus check' names meshes that cross themselves and what is too small for its place, which do "
+                     "that; a camera or a light within rounding of a surface does, too",
                      faults, plural(faults), per_million(faults, stats->crossings));
     if (limit)
         talk_warning(talk, "%llu path%s gave up after too many surfaces between equal media", limit, plural(limit));

@@ -448,3 +448,21 @@ sed 's/shape = point/shape = sphere  radius = 1/' ball.mns > lamp.mns
 run check lamp.mns
 says_not err "lost-light"
 end
+
+begin "a pane too thin for where it is: render says so, too, unless it is to be quiet"
+cat > pane.mns << 'SCENE'
+meniscus 1.0 unit cm
+box { from = <-5, -1e-5, -5>  to = <5, 0, 5>  interior = medium { ior = 1.5 }  translate(<1000, 1000, 1000>) }
+ground { y = 980  surface = surface { } }
+camera { from = <1000, 1010, 1000>  to = <1000, 1000, 1000>  up = z }
+environment { }
+film { size = <8, 8> }
+render { samples = 1 }
+SCENE
+run render pane.mns -o a.exr
+exits 0
+says err "box 1 is 100 nm thick where coordinates tell surfaces apart only down to 4.79 µm [coarse-place]"
+run render -q pane.mns -o a.exr
+exits 0
+says_not err "coarse-place"
+end
