@@ -675,6 +675,7 @@ void report_remarks(const CompiledScene *compiled, Diag *diag)
         remark_odd_size(&r);
         remark_still_animation(&r);
         report_coarse_places(compiled, diag);
+        report_contacts(compiled, diag);
         remark_loose_liquid(&r);
         remark_cameras(&r);
         remark_covered_cameras(&r);
