@@ -290,9 +290,12 @@ static void note_materials(Builder *b, const EvalProp *file, const MaterialNames
 {
     SceneShape *row = &b->scene->shapes[shape];
     if (!names->n) return;
-    row->file = arena_copy_text(&b->scene->arena, file->as.text, strlen(file->as.text));
-    row->materials = arena_copy_text(&b->scene->arena, names->text, strlen(names->text));
-    row->n_materials = part ? 1 : (uint32_t)names->n; /* who takes a part knows of the others */
+    Arena *arena = &b->scene->arena;
+    SceneMaterials *materials = ARENA_ARRAY(arena, SceneMaterials, 1);
+    *materials = (SceneMaterials){.file = arena_copy_text(arena, file->as.text, strlen(file->as.text)),
+                                  .names = arena_copy_text(arena, names->text, strlen(names->text)),
+                                  .n = part ? 1 : (uint32_t)names->n}; /* who takes a part knows of the others */
+    row->materials = materials;
 }
 
 static bool load_file(Builder *b, const EvalProp *file, const char *path, const char *part, bool smooth, uint32_t shape,

@@ -120,6 +120,11 @@ typedef struct SceneSurface {
     const char *name;
 } SceneSurface;
 
+typedef struct SceneMaterials { /* what a mesh file says that its parts are made of */
+    const char *file, *names;   /* as it was given; "'glass', 'label' and 3 more" */
+    uint32_t n;                 /* 1 where a part was asked for */
+} SceneMaterials;
+
 typedef struct SceneShape { /* geometry that objects share; one of the two */
     Mesh *mesh;
     Solid *solid;
@@ -129,9 +134,7 @@ typedef struct SceneShape { /* geometry that objects share; one of the two */
     MeshParts parts; /* of a mesh whose bodies overlap; n_layers 0: of none, or not known. Where it holds a medium, its
                         * layers are used in its place: shapes that follow each other, see build_layers.c */
     uint32_t layer_of; /* SCENE_NONE, or the mesh that this is a layer of */
-    const char *file;  /* of a mesh whose file says what its parts are made of, which is not taken: that file, as it was given, */
-    const char *materials; /* and these: "'glass', 'label' and 3 more" */
-    uint32_t n_materials;  /* 1 where a part was asked for */
+    const SceneMaterials *materials; /* NULL, or what the mesh's file says of its parts, which is not taken */
 } SceneShape;
 
 /* A thing in the scene, or an operand of one that is a combination: those follow the combination's own row, which has
