@@ -21,10 +21,10 @@ void fresnel_dielectric_polarized(float cos_i, Lanes eta_i, Lanes eta_t, Lanes r
 Lanes fresnel_dielectric_pair(Lanes cos_i, Lanes cos_t, Lanes eta_i, Lanes eta_t);
 /* How often reflection is to be chosen by a path, where what is not reflected goes on, and it is so bright in the two
  * directions; per wavelength. Between equals, as often as it reflects. Reflection that leads to light is not chosen more
- * often than three times in four, nor that which leads away from it less than a fifth as often: something may be in between. */
+ * often than every second time, nor that which leads away from it less than a fifth as often: something may be in between. */
 static inline Lanes fresnel_choice(Lanes reflectance, float mirrored, float passed)
 {
-    const float most = 0.75f, least = 0.2f;
+    const float most = 0.5f, least = 0.2f;
     if (LIKELY(mirrored == passed)) return reflectance;
     Lanes back = lanes_scale(reflectance, mirrored), on = lanes_scale(lanes_rest(reflectance), passed);
     Lanes chosen = lanes_div(back, lanes_add(back, on));

@@ -43,7 +43,7 @@ static void state_make(RenderState *state, uint32_t first, uint32_t end)
                 sample_at(pixel, i, rgb, &thing);
                 (void)film_add(&state->film, x, y, rgb, 1);
                 bright_film_add(&state->bright, x, y, rgb, thing, &(Reflected){.mean = -1});
-                assert_true(tally_add(&state->aovs.objects[pixel], thing, 1));
+                assert_true(tally_add(&state->aovs.tallies[0][pixel], thing, 1));
             }
     state->counters.paths = (uint64_t)(end - first) * (WIDTH - 1) * HEIGHT;
 }
@@ -76,7 +76,7 @@ static void states_are_equal(const RenderState *a, const RenderState *b)
             assert_memory_equal(p->counts, q->counts, sizeof p->counts);
             for (int k = 0; k < BRIGHT_KEPT && bright_light(p->rgb[k]) > 0; k++)
                 assert_int_equal(bright_seen(p, k), bright_seen(q, k));
-            const Tally *s = &a->aovs.objects[i], *t = &b->aovs.objects[i];
+            const Tally *s = &a->aovs.tallies[0][i], *t = &b->aovs.tallies[0][i];
             assert_int_equal(s->n, t->n);
             assert_memory_equal(s->items, t->items, s->n * sizeof *s->items);
         }
