@@ -274,7 +274,7 @@ void build_render(Builder *b, const EvalNode *node)
     render->samples_given = eval_prop(node, "samples") != NULL;
     render->adaptive = eval_truth(node, "adaptive");
     render->noise = eval_number(node, "noise");
-    render->bounces = (uint32_t)eval_number(node, "bounces");
+    render->bounces = eval_prop(node, "bounces") ? (uint32_t)eval_number(node, "bounces") : SCENE_BOUNCES_BY_CHANCE;
     render->seed = (uint32_t)eval_number(node, "seed");
     render->denoises = eval_truth(node, "denoise");
     render->spreads = strcmp(eval_word(node, "fireflies"), "spread") == 0;

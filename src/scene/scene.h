@@ -282,13 +282,16 @@ typedef enum SceneCaustics { CAUSTICS_AUTOMATIC, CAUSTICS_ON, CAUSTICS_OFF } Sce
 /* By its word; false: there is none. */
 bool scene_caustics_from_text(const char *text, SceneCaustics *caustics);
 
+/* Long ways end by chance; no path comes to so many. */
+#define SCENE_BOUNCES_BY_CHANCE 4194304u
+
 typedef struct SceneRender {
     SceneCaustics caustics;
     uint32_t samples;   /* per pixel; in the mean when it is adaptive, at most when there is a noise */
     bool samples_given; /* by the scene */
     bool adaptive;      /* pixels get samples as their errors need them */
     double noise;       /* error at which a pixel stops, as render/adapt.h has it; 0: none does */
-    uint32_t bounces;   /* real boundaries and scatterings, not silent crossings */
+    uint32_t bounces;   /* real boundaries and scatterings, not silent crossings; or SCENE_BOUNCES_BY_CHANCE */
     NestPolicy nesting;
     uint32_t seed;
     bool denoises; /* as render/denoise.h has it */

@@ -55,7 +55,6 @@ typedef struct Trial {
     bool fresnel_alone;         /* boundaries reflect as often as they do, wherever lights are */
     bool hero_alone;            /* goes on where boundaries bend wavelengths apart */
     bool pairs_from_camera;     /* second paths begin there, not where wavelengths part */
-    bool keeps_long_ways;       /* chance ends no path for its length alone */
     float roulette_below;       /* what paths carry that are left to chance */
 } Trial;
 

@@ -209,7 +209,6 @@ static void long_ways_are_as_bright(void **state)
         truth_open(&scene, (TruthInput){.text = texts[i], .furnace = true});
         RenderSettings settings = truth_settings(WIDE, MANY);
         settings.bounces = scene.scene->render.bounces;
-        settings.trial.keeps_long_ways = false;
         truth_render(&scene, &settings, 0, &picture);
         Estimate mean = truth_mean(&picture, -1);
         printf("    light that goes round: 1 %+.2g, standard error %.2g\n", mean.mean - 1, mean.error);

@@ -117,12 +117,7 @@ bool truth_is_library(const char *file)
 
 RenderSettings truth_settings(uint32_t width, uint32_t samples)
 {
-    return (RenderSettings){.width = width,
-                            .height = width,
-                            .samples = samples,
-                            .bounces = 1000,
-                            .seed = 1,
-                            .trial = {.keeps_long_ways = true}};
+    return (RenderSettings){.width = width, .height = width, .samples = samples, .bounces = 1000, .seed = 1};
 }
 
 void truth_render(const Fixture *scene, const RenderSettings *settings, unsigned threads, Picture *picture)
