@@ -120,6 +120,8 @@ void compiled_surfaces_at(const CompiledScene *compiled, Vec3 point, double time
 /* Whether the surfaces here, at a point that the list is of, are all of operands, and none is a surface of its combination. */
 ATTR_NODISCARD Status compiled_are_no_surfaces(const CompiledScene *compiled, const NestList *list,
                                                const SurfacesHere *here, bool *result);
+/* Ends a report of what is on a surface: where that is, and by how much to move off it. */
+void compiled_advise_off_surface(const CompiledScene *compiled, const RtcSurface *surface, Diagnostic *report, Diag *diag);
 
 /* The hulls that hold a camera's centre, and the surface (may be NULL) that it is on, as by compiled_interior. A camera that
  * stands on the surface of an operand where its combination has none is moved off that, by some roundings, so that its rays

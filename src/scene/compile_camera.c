@@ -166,6 +166,17 @@ static Status report_expectation(const CompiledScene *compiled, const SceneCamer
     return STATUS_SCENE;
 }
 
+void compiled_advise_off_surface(const CompiledScene *compiled, const RtcSurface *surface, Diagnostic *report, Diag *diag)
+{
+    const SceneObject *object = &compiled->scene->objects[surface->object];
+    diag_note(diag, report, object->span, "%s is here", object->name);
+    if (surface->rounding > 0)
+        diag_hint(diag, report, "move it by %.1g or more, to the side that it is meant to be on",
+                  2 * surface->rounding);
+    else
+        diag_hint(diag, report, "move it by a little, to the side that it is meant to be on");
+}
+
 static void report_on_surface(const CompiledScene *compiled, const SceneCamera *camera, bool plane,
                               const RtcSurface *surface, Diag *diag)
 {
@@ -178,12 +189,7 @@ static void report_on_surface(const CompiledScene *compiled, const SceneCamera *
                           camera->name, surface->distance, object->name, surface->rounding)
             : diag_report(diag, D_CAMERA_ON_SURFACE, camera->span, "%s%s is exactly on the surface of %s", of,
                           camera->name, object->name);
-    diag_note(diag, report, object->span, "%s is here", object->name);
-    if (surface->rounding > 0)
-        diag_hint(diag, report, "move it by %.1g or more, to the side that it is meant to be on",
-                  2 * surface->rounding);
-    else
-        diag_hint(diag, report, "move it by a little, to the side that it is meant to be on");
+    compiled_advise_off_surface(compiled, surface, report, diag);
 }
 
 Status compile_check_camera(const CompiledScene *compiled, uint32_t camera_number, Diag *diag, Error *error)

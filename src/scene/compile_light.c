@@ -39,17 +39,6 @@ static Status find_surface(const CompiledScene *compiled, Vec3 place, const Vec3
     return *found ? is_boundary(compiled, place, &here, hits, found) : STATUS_OK;
 }
 
-static void finish_report(const CompiledScene *compiled, const RtcSurface *surface, Diagnostic *report, Diag *diag)
-{
-    const SceneObject *object = &compiled->scene->objects[surface->object];
-    diag_note(diag, report, object->span, "%s is here", object->name);
-    if (surface->rounding > 0)
-        diag_hint(diag, report, "move it by %.1g or more, to the side that it is meant to be on",
-                  2 * surface->rounding);
-    else
-        diag_hint(diag, report, "move it by a little, to the side that it is meant to be on");
-}
-
 /* One without size. */
 static Status check_point(const CompiledScene *compiled, const SceneLight *light, HitList *hits, uint32_t *n,
                           Diag *diag)
@@ -62,7 +51,7 @@ static Status check_point(const CompiledScene *compiled, const SceneLight *light
         diag_report(diag, D_LIGHT_ON_SURFACE, light->span,
                     "%s has no size and is on the surface of %s: whether it is inside is up to rounding", light->name,
                     compiled->scene->objects[surface.object].name);
-    finish_report(compiled, &surface, report, diag);
+    compiled_advise_off_surface(compiled, &surface, report, diag);
     return STATUS_OK;
 }
 
@@ -86,7 +75,7 @@ static Status check_flat(const CompiledScene *compiled, const SceneLight *light,
                                      "bright from outside by the square "
                                      "of the index",
                                      light->name, compiled->scene->objects[surface.object].name);
-    finish_report(compiled, &surface, report, diag);
+    compiled_advise_off_surface(compiled, &surface, report, diag);
     return STATUS_OK;
 }
 

@@ -7,7 +7,7 @@ void backdrop_note(Backdrop *backdrop, const Path *path, const float brightness[
     if (backdrop->noted || path->again || brightness[0] != 1 || brightness[1] != 1) return;
     backdrop->noted = true;
     backdrop->before = path->radiance;
-    backdrop->carried = lanes_scale(path->beta, 1 / lanes_mean(path->ratio));
+    backdrop->carried = path_carried(path);
 }
 
 void backdrop_end(Backdrop *backdrop, const Path *path)

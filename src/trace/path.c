@@ -129,11 +129,6 @@ static inline bool pass_event(Path *path, Event *event)
     return survives(path);
 }
 
-static Lanes carried_by(const Path *path)
-{
-    return lanes_scale(path->beta, 1 / lanes_mean(path->ratio));
-}
-
 static Reflected reflected_of(const Path *path, Lanes before, Lanes after)
 {
     Reflected reflected = {.mean = lanes_mean(after) / lanes_mean(before)};
@@ -146,10 +141,10 @@ static Reflected reflected_of(const Path *path, Lanes before, Lanes after)
 static bool pass_noting(Path *path, Event *event)
 {
     Tracer *tracer = path->tracer;
-    Lanes before = carried_by(path);
+    Lanes before = path_carried(path);
     bool goes_on = pass_event(path, event);
     if (tracer->world->looks[event->hit.object].light == SCENE_NONE && lanes_mean(before) > 0)
-        tracer->reflected = goes_on ? reflected_of(path, before, carried_by(path)) : (Reflected){0};
+        tracer->reflected = goes_on ? reflected_of(path, before, path_carried(path)) : (Reflected){0};
     return goes_on;
 }
 

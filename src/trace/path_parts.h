@@ -110,6 +110,12 @@ static inline void path_init(Path *path, Tracer *tracer, Sampler sampler)
     path->probing.bent = path->probing.is_probe = path->probing.found = false;
 }
 
+/* What counts of a radiance that it meets now. */
+static inline Lanes path_carried(const Path *path)
+{
+    return lanes_scale(path->beta, 1 / lanes_mean(path->ratio));
+}
+
 /* Whether most of its light is from what scatters in front. */
 static inline bool path_shows_front(const Path *path)
 {
