@@ -12,8 +12,8 @@
 #include "base/lanes.h"
 #include "scene/compile.h"
 
-/* Four lamps that are flat, or round; brightness in multiples of the backdrop, 1: none. Those that are infinitely far are as round ones at distance 1
- * from wherever a path is. */
+/* Four lamps that are flat, or round; brightness in multiples of the backdrop, 1: none. Those that are infinitely far are as
+ * round ones at distance 1 from wherever a path is. */
 typedef struct FlatBeacons {
     Lanes ball[3], ball_radius;  /* around each: most lines miss it; radius 0: no lamp */
     Lanes normal[3], height;     /* of the plane: a place on it, times the normal */
