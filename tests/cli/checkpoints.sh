@@ -249,14 +249,14 @@ end
 
 begin "USR1: a snapshot and a checkpoint, and it goes on"
 long_scene
-"$program" render long.mns -o a.exr --checkpoint 1h -t 60 2> err &
+"$program" render long.mns -o a.exr --checkpoint 1h -t 300 2> err &
 child=$!
-sleep 0.7
+await grep -q Progress err
 kill -USR1 $child
-sleep 0.7
+await grep -qF 'wrote the picture so far' err || flunk "it never says that it wrote the picture so far"
+await [ -s a.checkpoint.exr ]
 there a.exr
 there a.checkpoint.exr
-says err 'wrote the picture so far'
 kill -0 $child 2> /dev/null || flunk "it has ended"
 cp a.checkpoint.exr early.exr
 kill -TERM $child
@@ -271,9 +271,9 @@ end
 
 begin "a checkpoint each so often"
 long_scene
-"$program" render long.mns -o a.exr --checkpoint 0.2s -t 60 -q 2> err &
+"$program" render long.mns -o a.exr --checkpoint 0.2s -t 300 -q 2> err &
 child=$!
-sleep 1.5
+await [ -s a.checkpoint.exr ]
 there a.checkpoint.exr
 kill -TERM $child
 wait $child

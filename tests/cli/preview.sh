@@ -85,7 +85,7 @@ assert all(packet[2:].startswith(b"small.mns\0") for packet in packets)
 PYTHON
 "$python" listen.py > port 2> heard &
 listening=$!
-for _ in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20; do [ -s port ] || sleep .1; done
+await [ -s port ]
 port=$(cat port)
 run render small.mns -o a.exr --preview "tev:127.0.0.1:$port"
 exits 0
@@ -96,24 +96,21 @@ says err "no tev takes pictures at localhost:$port"
 gone b.exr
 end
 
-# until_says FILE TEXT: waits for it, ten seconds at most; the file, too, may still be to come
-until_says() {
-    for _ in $(seq 100); do [ -e "$1" ] && grep -qF -e "$2" "$1" && return; sleep .1; done
-    flunk "$1 never says: $2"
-}
+# until_says FILE TEXT: waits for it; the file, too, may still be to come
+until_says() { await grep -qF -e "$2" "$1" || flunk "$1 never says: $2"; }
+differ() { ! cmp -s "$1" "$2"; }
 
 begin "a scene is rendered anew whenever one of its files changes"
 small_scene
 printf 'meniscus 1.0 unit cm\nlet blue = rgb(.1, .2, .8)\n' > colors.mns
 sed -e '/^meniscus/a use "colors.mns" as colors' -e 's/albedo = .5/albedo = colors.blue/' small.mns > watched.mns
-timeout 60 "$program" watched.mns --watch -o a.exr > out 2> err &
+timeout 300 "$program" watched.mns --watch -o a.exr > out 2> err &
 watching=$!
 until_says err "watching 'watched.mns' and 1 file that it reads"
 cp a.exr first.exr
 printf 'meniscus 1.0 unit cm\nlet blue = rgb(.8, .2, .1)\n' > colors.mns
 until_says err "'colors.mns' has changed"
-for _ in $(seq 100); do cmp -s a.exr first.exr && sleep .1; done
-cmp -s a.exr first.exr && flunk "the picture is not a new one"
+await differ a.exr first.exr || flunk "the picture is not a new one"
 echo 'sphere { raduis = 1 }' >> watched.mns
 until_says err "did you mean 'radius'?"
 sed -i -e '/raduis/d' watched.mns
@@ -149,7 +146,7 @@ end
 
 begin "a render that goes on is given up when its scene changes"
 long_scene
-timeout 60 "$program" long.mns --watch -o a.exr --progress json > out 2> err &
+timeout 300 "$program" long.mns --watch -o a.exr --progress json > out 2> err &
 watching=$!
 until_says err '"event": "progress"'
 sed -i -e 's/samples = 16777216/samples = 4/' long.mns

@@ -52,6 +52,11 @@ run_until() {
     status=$?
 }
 exits() { [ "$status" -eq "$1" ] || flunk "exit status $status, not $1"; }
+# await COMMAND...: waits until the command succeeds, a minute at most, as a loaded machine may need; then it fails
+await() {
+    for _ in $(seq 1200); do "$@" > /dev/null 2>&1 && return; sleep .05; done
+    return 1
+}
 # says FILE TEXT: FILE (out, err, ...) holds TEXT; says_not: it does not
 says() { grep -qF -e "$2" "$1" || flunk "$1 does not say: $2"; }
 says_not() { ! grep -qF -e "$2" "$1" || flunk "$1 says: $2"; }

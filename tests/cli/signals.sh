@@ -41,17 +41,9 @@ begin "a checkpoint is there before the picture is made, and a second signal lea
 long_scene
 "$program" render long.mns --size 3000x2000 --denoise on --checkpoint 5m -o a.exr 2> err &
 child=$!
-n=0
-while ! grep -q Progress err && [ $n -lt 600 ]; do
-    n=$((n + 1))
-    sleep 0.05
-done
+await grep -q Progress err
 kill -TERM $child
-n=0
-while [ ! -e a.checkpoint.exr ] && [ $n -lt 200 ] && kill -0 $child 2> /dev/null; do
-    n=$((n + 1))
-    sleep 0.05
-done
+await [ -e a.checkpoint.exr ]
 there a.checkpoint.exr
 gone a.exr
 kill -TERM $child || flunk "it has ended already"
