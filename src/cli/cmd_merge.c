@@ -74,7 +74,7 @@ static Status write_outputs(const MergeRun *run, Error *error)
     unsigned half = run->options->values[OPTION_HALF].place, full = run->options->values[OPTION_FLOAT].place;
     ExrOptions exr = {
         .half = half > full, .attributes = described.items, .n_attributes = described.n, .pool = run->pool};
-    ColorLook look = output_look(run->options, 0);
+    ColorLook look = output_look(run->options, NULL);
     for (size_t i = 0; i < run->n_outputs; i++)
         TRY(output_write(&run->outputs[i], &run->image, &exr, run->color.config, &look, error));
     return STATUS_OK;

@@ -14,7 +14,7 @@
 
 ColorLook render_look(const RenderRun *run)
 {
-    return output_look(run->options, run->input.scene->film.exposure);
+    return output_look(run->options, &run->input.scene->film);
 }
 
 /* Opens the colour configuration and tries display and view on one pixel. */

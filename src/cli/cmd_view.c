@@ -148,7 +148,7 @@ static Status write_png(const Options *options, const ColorConfig *config, const
 {
     unsigned bits = option_is(options, OPTION_BITS, "16") ? 16 : 8;
     Image shown;
-    ColorLook look = output_look(options, 0);
+    ColorLook look = output_look(options, NULL);
     if (viewed->shown) return png_write(path, &viewed->image, bits, error);
     TRY(image_for_display(&viewed->image, config, &look, &shown, error));
     Status status = png_write(path, &shown, bits, error);
@@ -160,7 +160,7 @@ static Status show(const Options *options, const ColorConfig *config, const View
                    Error *error)
 {
     Preview preview;
-    ColorLook look = output_look(options, 0);
+    ColorLook look = output_look(options, NULL);
     Status status = preview_open(where, file_name(options->operands[0]), &preview, error);
     if (status == STATUS_OK && preview.kind == PREVIEW_FILE)
         status =

@@ -204,27 +204,43 @@ bool outputs_exist(const OutputList *list)
 
 /* ---- after it ---- */
 
-ColorLook output_look(const Options *options, double stops)
+ColorLook output_look(const Options *options, const SceneFilm *film)
 {
+    double stops = film ? film->exposure : 0;
+    bool alpha = film && film->alpha;
     return (ColorLook){
         .display = option_text(options, OPTION_DISPLAY, NULL),
         .view = option_text(options, OPTION_VIEW, NULL),
         .stops = option_given(options, OPTION_EXPOSURE) ? options->values[OPTION_EXPOSURE].number : stops,
+        .alpha = option_given(options, OPTION_ALPHA) ? option_is(options, OPTION_ALPHA, "on") : alpha,
     };
+}
+
+/* As PNG files have it: alpha from 0 to 1, and colours not multiplied by it. Where chance found too much of what is behind panes,
+ * alpha may be a little outside. */
+static void unassociate(float pixel[4])
+{
+    float alpha = pixel[3];
+    pixel[3] = alpha < 1 ? (alpha > 0 ? alpha : 0) : 1;
+    for (int c = 0; c < 3; c++) pixel[c] = pixel[3] > 0 ? pixel[c] / pixel[3] : 0;
 }
 
 Status image_for_display(const Image *image, const ColorConfig *color, const ColorLook *look, Image *shown,
                          Error *error)
 {
-    static const char *const names[] = {"R", "G", "B"};
-    int channels[3];
+    static const char *const names[] = {"R", "G", "B", "A"};
+    int channels[4];
     *shown = (Image){0};
     if (!image_rgb(image, channels)) return fail(error, STATUS_INPUT, "the picture has no colour channels");
-    TRY(image_new(image->width, image->height, names, 3, shown, error));
+    channels[3] = look->alpha ? image_channel(image, "A") : -1;
+    uint32_t n_shown = channels[3] >= 0 ? 4 : 3;
+    TRY(image_new(image->width, image->height, names, n_shown, shown, error));
     size_t n = (size_t)image->width * image->height;
-    for (size_t i = 0; i < n; i++)
-        for (size_t c = 0; c < 3; c++)
-            shown->pixels[3 * i + c] = image->pixels[i * image->n_channels + (size_t)channels[c]];
+    for (size_t i = 0; i < n; i++) {
+        float *pixel = shown->pixels + n_shown * i;
+        for (uint32_t c = 0; c < n_shown; c++) pixel[c] = image->pixels[i * image->n_channels + (size_t)channels[c]];
+        if (n_shown == 4) unassociate(pixel);
+    }
     Status status = color_view(color, look, shown, error);
     if (status != STATUS_OK) image_clear(shown);
     return status;

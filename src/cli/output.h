@@ -56,12 +56,13 @@ typedef struct OutputClaim {
 ATTR_NODISCARD Status output_check_claims(const OutputClaim *claims, size_t n, Error *error);
 /* As outputs_probe, for one path, also of other files than pictures. STATUS_USAGE for a file that was read. */
 ATTR_NODISCARD Status output_probe(const char *path, Error *error);
-/* What --display, --view and --exposure say; stops: where --exposure says nothing. */
-ColorLook output_look(const Options *options, double stops);
+/* What --display, --view, --exposure and --alpha say; film: where the last two say nothing, NULL: there is none. */
+ColorLook output_look(const Options *options, const SceneFilm *film);
 /* color is NULL when no output is a PNG file. */
 ATTR_NODISCARD Status output_write(const Output *output, const Image *image, const ExrOptions *exr,
                                    const ColorConfig *color, const ColorLook *look, Error *error);
-/* The colours of an image as they are shown, as RGB for a PNG file. */
+/* The colours of an image as they are shown, for a PNG file: as RGB; as RGBA where the look keeps alpha and there is one, colours
+ * not multiplied by it. */
 ATTR_NODISCARD Status image_for_display(const Image *image, const ColorConfig *color, const ColorLook *look,
                                         Image *shown, Error *error);
 

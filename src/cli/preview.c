@@ -82,7 +82,9 @@ static Status show_in_terminal(TerminalPreview *terminal, const Image *image, co
                                const ColorLook *look, Error *error)
 {
     Image shown;
-    TRY(image_for_display(image, color, look, &shown, error));
+    ColorLook opaque = *look;
+    opaque.alpha = false;
+    TRY(image_for_display(image, color, &opaque, &shown, error));
     Status status = terminal_preview_show(terminal, &shown, error);
     image_clear(&shown);
     return status;

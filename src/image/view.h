@@ -23,12 +23,13 @@ const char *color_config_default_view(const ColorConfig *config, const char *dis
 typedef struct ColorLook {
     const char *display, *view; /* NULL: the defaults */
     double stops;               /* by so many it is brightened before; each is twice the light */
+    bool alpha;                 /* a picture for a display keeps its alpha, and is not over black */
 } ColorLook;
 
 /* Applies that to R, G, B (and keeps A) of a scene-linear picture of the
  * working space (linear Rec.709, D65); the result is display-referred in 0..1. Not-a-numbers become 0, values are held to
- * 65504 first. Alpha is associated in the input; the output is over black. STATUS_USAGE names an unknown
- * display or view, and the nearest that there is, or all where none is near. */
+ * 65504 first. Alpha is not looked at, look->alpha neither: where colours are multiplied by it, the output is over black.
+ * STATUS_USAGE names an unknown display or view, and the nearest that there is, or all where none is near. */
 ATTR_NODISCARD Status color_view(const ColorConfig *config, const ColorLook *look, Image *image, Error *error);
 /* In place: rgb triples from a named colour space to linear Rec.709 (D65), the working space. */
 ATTR_NODISCARD Status color_to_working(const ColorConfig *config, const char *space, float *rgb, size_t n_pixels,

@@ -244,6 +244,7 @@ void build_film(Builder *b, const EvalNode *node)
     film->height = (uint32_t)size.y;
     film->box = strcmp(eval_word(node, "filter"), "box") == 0;
     film->exposure = eval_number(node, "exposure");
+    film->alpha = eval_truth(node, "alpha");
     build_aovs(b, eval_prop(node, "aovs"));
     const EvalProp *output = eval_prop(node, "output");
     if (!output) return;

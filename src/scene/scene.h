@@ -274,6 +274,7 @@ typedef struct SceneFilm {
     uint32_t n_outputs;
     AovSet aovs;
     double exposure; /* by so many stops pictures for a display are brighter */
+    bool alpha; /* such pictures keep their alpha, and are not over black */
     bool box; /* a pixel is the mean over its own area; else a tent, which reaches half over its neighbours */
 } SceneFilm;
 
