@@ -466,3 +466,14 @@ run render -q pane.mns -o a.exr
 exits 0
 says_not err "coarse-place"
 end
+
+begin "what stands in the examples stands on air, not glued to the table"
+cp "$root"/examples/*.mns .
+ln -s "$root/examples/assets" assets
+for scene in beams cut-glass minirt soda tea whisky whisky-sun; do
+    run check $scene.mns
+    exits 0
+    says_not err remark
+    says_not err warning
+done
+end
