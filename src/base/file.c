@@ -14,7 +14,7 @@
 #include "base/array.h"
 #include "base/file_reads.h"
 
-enum { FIRST_READ = 64 * 1024, TEMPORARY_TRIES = 100, TEMPORARY_SUFFIX_ROOM = 40, LONGEST_NAME = 255 };
+enum { FIRST_READ = 64 * 1024, TEMPORARY_SUFFIX_ROOM = 40, LONGEST_NAME = 255 };
 
 /* ---- which file it is ---- */
 
@@ -237,7 +237,7 @@ char *file_temporary_name(const char *path, int attempt)
 /* Makes an empty file under a temporary name that nothing else has. */
 static Status create_beside(const char *path, char **temporary, int *descriptor, Error *error)
 {
-    for (int attempt = 0; attempt < TEMPORARY_TRIES; attempt++) {
+    for (int attempt = 0; attempt < FILE_TEMPORARY_TRIES; attempt++) {
         *temporary = file_temporary_name(path, attempt);
         if (!*temporary) return fail_memory(error, strlen(path), "a file name");
         *descriptor = open(*temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);

@@ -31,6 +31,9 @@ typedef struct FileOut {
     bool plain;             /* "-", or a device such as /dev/full: written in place, no rename */
 } FileOut;
 
+/* How many names are tried for a temporary file. Each has the number of the process in it: more than the first are needed only
+ * where another process of that number was killed and left its files. */
+enum { FILE_TEMPORARY_TRIES = 16 };
 /* The names of temporary files for a path, the attempts from 0 on, of which the first that is free is used: in its folder, or that of
  * the file that it links to. malloc'd; NULL when memory ends. */
 char *file_temporary_name(const char *path, int attempt);

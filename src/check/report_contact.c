@@ -5,7 +5,8 @@
 
 #include "check/report_parts.h"
 
-enum { LEAST_ENDS = 6, LINES = 120 };
+/* A foot may be a small part of what stands on it: where a few lines end at something opaque, many more tell what it is. */
+enum { LEAST_ENDS = 6, LINES = 240, MORE_LINES = 3000 };
 
 /* Where lines leave a hull. */
 typedef struct Contact {
@@ -99,6 +100,8 @@ void report_contacts(const CompiledScene *compiled, Diag *diag)
         Contact contact;
         if (compiled->hulls[h].state == NEST_LIQUID || compiled->hulls[h].state == NEST_GAS) continue;
         good = find_contact(compiled, &probe, h, n_lines, &contact);
+        if (good && contact.n > 0 && contact.n < LEAST_ENDS)
+            good = find_contact(compiled, &probe, h, MORE_LINES, &contact);
         if (contact.n >= LEAST_ENDS && ++n <= REPORT_MOST) report_one(compiled, h, &contact, diag);
     }
     if (n > REPORT_MOST)

@@ -11,7 +11,6 @@
 
 #include "base/file.h"
 
-enum { TEMPORARY_TRIES = 4 };
 /* timeout(1) sends each signal twice, to the process and to its group; nobody means that as a second one. */
 static const double one_signal_s = 0.1;
 
@@ -63,7 +62,7 @@ static void handle(int number)
 
 static void remember_temporaries(const char *output)
 {
-    for (int attempt = 0; attempt < TEMPORARY_TRIES; attempt++) {
+    for (int attempt = 0; attempt < FILE_TEMPORARY_TRIES; attempt++) {
         char *name = file_temporary_name(output, attempt);
         if (!name) break; /* only tidiness after a second signal is lost */
         struct stat info;
@@ -84,7 +83,7 @@ Status signals_begin(const char *const *outputs, size_t n_outputs, bool json, Si
          "{\"event\": \"stopping\", \"message\": \"of this frame a checkpoint is kept; again to stop at once\"}\n",
          "{\"event\": \"stopping\", \"message\": \"writing what there is; again to stop at once\"}\n"}};
     announcement = announcements[json][keep];
-    size_t size = (n_outputs * TEMPORARY_TRIES + 1) * sizeof *temporaries;
+    size_t size = (n_outputs * FILE_TEMPORARY_TRIES + 1) * sizeof *temporaries;
     temporaries = malloc(size);
     if (!temporaries) return fail_memory(error, size, "the names of outputs");
     for (size_t i = 0; i < n_outputs; i++) remember_temporaries(outputs[i]);

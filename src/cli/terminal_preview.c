@@ -48,6 +48,10 @@ Status terminal_preview_show(TerminalPreview *preview, const Image *shown, Error
     unsigned rows;
     Status status =
         terminal_picture_draw(shown, &size, preview->graphics, environ, &picture, &rows, &is_graphics, error);
+    if (status != STATUS_OK) {
+        buf_clear(&picture);
+        return status;
+    }
     bool in_place = preview->rows == rows && preview->lines == talk_lines() && !*signals_flag();
     buf_add(&text, CLEAR_LINE);
     if (!in_place && is_graphics) buf_add_repeat(&text, '\n', rows); /* room, where it is the terminal's last line */
@@ -58,10 +62,10 @@ Status terminal_preview_show(TerminalPreview *preview, const Image *shown, Error
         buf_format(&text, RESTORE_CURSOR CURSOR_DOWN "\r", rows);
     else
         buf_add(&text, "\n");
-    if (status == STATUS_OK) talk_write(&text);
+    talk_write(&text);
     preview->rows = rows;
     preview->lines = talk_lines();
     buf_clear(&picture);
     buf_clear(&text);
-    return status;
+    return STATUS_OK;
 }

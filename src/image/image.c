@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/file_reads.h"
 
 enum { MAX_SIDE = 65536, MAX_CHANNELS = 1024 };
 
@@ -128,6 +129,18 @@ static Format format_of_bytes(const unsigned char *bytes, size_t length)
     return FORMAT_UNKNOWN;
 }
 
+/* exr_read takes its file in pieces and notes nothing, as checkpoints are read to be written again. */
+static Status read_exr(const char *path, Image *image, Error *error)
+{
+    struct stat facts;
+    bool there = stat(path, &facts) == 0;
+    if (there && S_ISREG(facts.st_mode) && !file_note_read(path, &facts))
+        return fail_memory(error, strlen(path) + 1, path);
+    Status status = exr_read(path, image, error);
+    if (!there && strcmp(path, "-") != 0) file_note_missing(path);
+    return status;
+}
+
 Status image_read_as(const char *path, Image *image, bool *encoded, Error *error)
 {
     *image = (Image){0};
@@ -154,7 +167,7 @@ Status image_read_as(const char *path, Image *image, bool *encoded, Error *error
     }
     if (encoded) *encoded = format == FORMAT_PNG || format == FORMAT_JPEG;
     switch (format) {
-    case FORMAT_EXR: return exr_read(path, image, error);
+    case FORMAT_EXR: return read_exr(path, image, error);
     case FORMAT_PNG: return png_read(path, image, error);
     case FORMAT_JPEG: return jpeg_read(path, image, error);
     case FORMAT_HDR: return hdr_read(path, image, error);

@@ -40,6 +40,7 @@ static void fold(const BuiltinCall *call, double (*join)(double, double), double
         for (unsigned k = 0; k < width; k++) total.as.v[k] = join(total.as.v[k], item.as.v[k]);
     }
     *result = total;
+    builtin_finite(call, result);
 }
 
 static double add(double a, double b)
@@ -59,7 +60,6 @@ void run_sum(const BuiltinCall *call, Value *result)
 void run_product(const BuiltinCall *call, Value *result)
 {
     fold(call, multiply, 1, result);
-    builtin_finite(call, result);
 }
 
 /* ---- order ---- */

@@ -449,7 +449,6 @@ static void eval_list(Evaluator *evaluator, Expr *expr, Value *result)
                eval_error(evaluator, expr, D_TOO_DEEP, "lists within lists, deeper than %d levels", LIMIT_LIST_DEPTH),
                OVER_LIST_DEPTH);
     result->kind = VALUE_POISON;
-    evaluator->stop = true; /* as of nodes: such a list grows in a loop, which would go on to the limit of steps */
 }
 
 static bool range_number(Evaluator *evaluator, Expr *expr, double *number)

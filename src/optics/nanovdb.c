@@ -360,7 +360,7 @@ static Status bricks_around(const Reader *r, const Grid *g, int32_t first[3], in
                      high = pnanovdb_root_get_bbox_max(g->buf, g->root);
     const int64_t lows[3] = {low.x, low.y, low.z}, highs[3] = {high.x, high.y, high.z};
     for (int axis = 0; axis < 3; axis++) {
-        const int64_t reach = 1 << 30, size = VOLUME_BRICK;
+        const int64_t reach = 1 << 29, size = VOLUME_BRICK;
         if (lows[axis] > highs[axis])
             return fail(r->error, STATUS_INPUT, "grid '%.*s' of '%s' is empty", (int)g->name_length, g->name, r->path);
         if (lows[axis] < -reach || highs[axis] > reach) return broken(r, "a grid is larger than voxels can be counted");

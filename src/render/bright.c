@@ -7,6 +7,8 @@
 
 /* Of one sample: one that chose among several ways may say more than 1. */
 #define MOST_REFLECTED 4.0f
+/* Of all samples of a render, in sum: far more than any can have, and so little that sums of sums of files stay in 64 bits. */
+#define MOST_REFLECTED_SUM ((int64_t)1 << 48)
 
 Status bright_film_init(BrightFilm *film, bool slice, uint32_t width, uint32_t height, Error *error)
 {
@@ -76,8 +78,8 @@ static void insert(uint32_t *items, int at, uint32_t item)
 static void add_reflected(BrightPixel *pixel, const Reflected *reflected)
 {
     float scale = BRIGHT_REFLECTED * fminf(1, MOST_REFLECTED / fmaxf(reflected->mean, MOST_REFLECTED));
-    pixel->reflected += (uint32_t)lrintf(reflected->mean * scale);
-    for (int c = 0; c < 3; c++) pixel->reflected_rgb[c] += (int32_t)lrintf(reflected->rgb[c] * scale);
+    pixel->reflected += lrintf(reflected->mean * scale);
+    for (int c = 0; c < 3; c++) pixel->reflected_rgb[c] += lrintf(reflected->rgb[c] * scale);
     pixel->n_reflected++;
 }
 
@@ -110,7 +112,9 @@ void bright_film_save_row(const BrightFilm *film, uint32_t x0, uint32_t x1, uint
 
 static bool can_be(const BrightPixel *pixel)
 {
-    bool good = true;
+    bool good = pixel->reflected >= 0 && pixel->reflected <= MOST_REFLECTED_SUM;
+    for (int c = 0; c < 3; c++)
+        good = good && pixel->reflected_rgb[c] >= -MOST_REFLECTED_SUM && pixel->reflected_rgb[c] <= MOST_REFLECTED_SUM;
     for (int i = 0; i < BRIGHT_KEPT; i++) good = good && bright_light(pixel->rgb[i]) <= (float)FILM_LARGEST;
     return good;
 }

@@ -21,9 +21,8 @@ typedef struct BrightPixel {
     uint32_t things[BRIGHT_THINGS], counts[BRIGHT_THINGS]; /* the first things that any sample saw, and how many did */
     float least;                                           /* light of the last one of those */
     uint32_t seen; /* two bits for each of the samples, from the lowest: which thing it saw; BRIGHT_THINGS: another */
-    /* What samples say of the reflectance, in sum, by BRIGHT_REFLECTED: of its mean, and of its colour; and how many do. */
-    uint32_t reflected, n_reflected;
-    int32_t reflected_rgb[3];
+    uint32_t n_reflected; /* how many samples say something of the reflectance */
+    int64_t reflected, reflected_rgb[3]; /* in sum, by BRIGHT_REFLECTED: its mean, and its colour */
 } BrightPixel;
 
 /* How bright a sample is taken to be: as dots of all colours are seen. Samples of few wavelengths have negative parts. */
@@ -65,9 +64,9 @@ static inline float bright_reflectance(const BrightPixel *pixel)
 /* Its colour: in each channel over the mean, with a quarter of a sample that says grey, as few may have seen few wavelengths. */
 static inline void bright_tint(const BrightPixel *pixel, float tint[3])
 {
-    double grey = pixel->n_reflected ? 0.25 * pixel->reflected / pixel->n_reflected : 0;
+    double grey = pixel->n_reflected ? 0.25 * (double)pixel->reflected / pixel->n_reflected : 0;
     for (int c = 0; c < 3; c++)
-        tint[c] = grey > 0 ? (float)((pixel->reflected_rgb[c] + grey) / (pixel->reflected + grey)) : 1;
+        tint[c] = grey > 0 ? (float)(((double)pixel->reflected_rgb[c] + grey) / ((double)pixel->reflected + grey)) : 1;
 }
 
 /* Rows as bytes, and joining two, as film_save_row and its like have it; also of films without pixels. next: of a film that

@@ -114,11 +114,17 @@ static Status join_part(Checkpoint *part, RenderState *state, Error *error)
     return STATUS_OK;
 }
 
-static Status open_again(Checkpoint *part, Error *error)
+/* It may be another file by now: one that still fits the first one, but holds other samples, would count some twice. */
+static Status open_again(const Merge *merge, Checkpoint *part, Error *error)
 {
     const char *path = part->path;
+    const CheckpointNotes before = part->notes;
     checkpoint_close(part);
-    return checkpoint_open(path, part, error);
+    TRY(checkpoint_open(path, part, error));
+    TRY(check_part(&merge->parts[0], part, error));
+    if (part->notes.first_sample == before.first_sample && part->notes.end_sample == before.end_sample) return STATUS_OK;
+    return fail(error, STATUS_INPUT, "'%s' has changed since the merge began: it held the samples %u..%u, now %u..%u", path,
+                before.first_sample + 1, before.end_sample, part->notes.first_sample + 1, part->notes.end_sample);
 }
 
 Status merge_read(Merge *merge, RenderState *state, Error *error)
@@ -127,8 +133,7 @@ Status merge_read(Merge *merge, RenderState *state, Error *error)
     *state = (RenderState){0};
     for (size_t i = 0; i < merge->n && status == STATUS_OK; i++) {
         Checkpoint *part = &merge->parts[i];
-        status = open_again(part, error);
-        if (status == STATUS_OK) status = check_part(&merge->parts[0], part, error); /* it may be another one by now */
+        status = open_again(merge, part, error);
         if (status == STATUS_OK) status = i ? join_part(part, state, error) : checkpoint_read(part, state, error);
         if (status == STATUS_OK) let_go(part);
     }

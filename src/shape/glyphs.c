@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "shape/glyphs.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include <ft2build.h>
@@ -10,6 +11,7 @@
 #include FT_ADVANCES_H
 #include FT_OUTLINE_H
 
+#include "base/file.h"
 #include "base/utf8.h"
 #include "shape/contour.h"
 
@@ -153,8 +155,14 @@ Status glyphs_draw(const GlyphText *text, Outline2 *outline, Error *error)
 {
     Writer writer = {.text = text, .pen = {.outline = outline, .tolerance = text->tolerance, .smooth_degrees = 3}};
     FT_Library library;
-    if (FT_Init_FreeType(&library)) return fail(error, STATUS_NOMEM, "FreeType cannot be started");
-    FT_Error failed = FT_New_Face(library, text->font, 0, &writer.face);
+    char *font; /* as long as the library is there */
+    size_t length;
+    TRY(file_read(text->font, 0, &font, &length, error));
+    if (FT_Init_FreeType(&library)) {
+        free(font);
+        return fail(error, STATUS_NOMEM, "FreeType cannot be started");
+    }
+    FT_Error failed = FT_New_Memory_Face(library, (const FT_Byte *)font, (FT_Long)length, 0, &writer.face);
     Status status;
     if (failed == FT_Err_Out_Of_Memory)
         status = fail_memory(error, 0, "a font");
@@ -163,5 +171,6 @@ Status glyphs_draw(const GlyphText *text, Outline2 *outline, Error *error)
     else
         status = use_face(&writer, error);
     FT_Done_FreeType(library); /* and its faces */
+    free(font);
     return status;
 }

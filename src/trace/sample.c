@@ -241,8 +241,9 @@ void trace_sample(Tracer *tracer, uint32_t x, uint32_t y, uint32_t width, uint32
             share_out(path.radiance, follow_again(tracer, pixel, point, &wavelengths, lanes, &fork, &path), lanes);
     *alpha = looks ? 1 - path.open : 0;
     color_from_lanes(path.radiance, &wavelengths, rgb);
-    if (UNLIKELY(!isfinite(rgb[0]) || !isfinite(rgb[1]) || !isfinite(rgb[2]))) {
+    if (UNLIKELY(!isfinite(rgb[0]) || !isfinite(rgb[1]) || !isfinite(rgb[2]) || !isfinite(*alpha))) {
         tracer->counters.bad_samples++;
         rgb[0] = rgb[1] = rgb[2] = 0;
+        *alpha = 1;
     }
 }

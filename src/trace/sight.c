@@ -36,8 +36,10 @@ void sight_note(const Path *path, const Event *event, FirstSight *sight)
     const SceneObject *object = &scene->objects[event->hit.object];
     Vec3f shading = rtc_shading_normal(world->compiled->rtc, &path->ray, &event->hit);
     const NestList *list = opaque ? &tracer->list : &tracer->next;
-    if (!opaque && event->behind != BEHIND_IN_NEXT && path_copy_behind(tracer, event, &tracer->next) != STATUS_OK)
+    if (!opaque && event->behind != BEHIND_IN_NEXT && path_copy_behind(tracer, event, &tracer->next) != STATUS_OK) {
+        tracer->out_of_memory = true;
         return;
+    }
     sight->met = true;
     sight->object = scene_whole(scene, event->hit.object);
     sight->medium = nest_medium(list);
@@ -248,7 +250,8 @@ void sight_look(const Path *path)
     look.straight = true;
     look.looks = false;
     look.fork = NULL;
-    if (nest_list_copy(&kept, &tracer->list) == STATUS_OK) {
+    tracer->out_of_memory = nest_list_copy(&kept, &tracer->list) != STATUS_OK || tracer->out_of_memory;
+    if (!tracer->out_of_memory) {
         path_next_event(&look, &event);
         sight_note(&look, &event, &tracer->first_sight);
         if (tracer->notes_behind) look_behind(&look, &event, &tracer->behind);

@@ -49,7 +49,7 @@ ends limit
 echo 'print([for (i in 1..1e6) for (j in 1..1e6) <i, j>])' | hostile
 ends limit
 echo 'var l = [1]  while (true) { l := [l] }' | hostile
-ends_at_once too-deep
+ends too-deep
 echo 'var g = sphere { surface = surface { } }  while (true) { g := group { g { } } }' | hostile
 ends_at_once too-deep
 echo 'while (true) { print("wine and water") }' | hostile

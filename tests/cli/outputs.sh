@@ -580,6 +580,13 @@ done
 clashes "$read_it" render textured.mns -o a.exr --stats=textured.mns
 clashes "$read_it" render textured.mns -o a.exr --preview tex.png
 clashes "'scene.exr' $read_it" render scene.exr
+run render small.mns -o sky.exr -q
+exits 0
+cp sky.exr before.exr
+sed -e 's/environment {.*/environment { image = "sky.exr" }/' textured.mns > sky.mns
+for spelling in sky.exr ./sky.exr "$PWD/sky.exr"; do clashes "'$spelling' $read_it" render sky.mns -o "$spelling"; done
+clashes "'sky.exr' $read_it" render sky.mns
+cmp -s before.exr sky.exr || flunk "the sky was changed"
 clashes "$read_it" check textured.mns --slice z=0 --slice-output tex.png
 clashes "is both what is viewed and the output" view tex.png -o link.png
 clashes "is named twice" render small.mns -o a.exr -o ./a.exr

@@ -138,6 +138,13 @@ PLY
 until_says err "'late.ply' has changed"
 until_says err "watching 'watched.mns' and 2 files that it reads"
 [ "$(grep -c '^wrote a.exr' err)" -eq 3 ] || flunk "not three pictures"
+sed -i -e 's/^environment.*/environment { image = "sky.exr" }/' watched.mns
+until_says err "no file 'sky.exr'"
+cp first.exr sky.exr
+until_says err "watching 'watched.mns' and 3 files that it reads"
+cp a.exr new.exr
+mv new.exr sky.exr
+until_says err "'sky.exr' has changed"
 kill "$watching" # by TERM: a shell's background processes ignore INT
 wait "$watching" 2> /dev/null
 [ $? -eq 143 ] || flunk "it did not end by the signal"
