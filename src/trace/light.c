@@ -72,10 +72,8 @@ static void sample_place(Vec3 from, Vec3 place, Vec3 normal, bool two_sided, dou
         *sample = (LightSample){.pdf_w = 0};
         return;
     }
-    /* the direction is rounded to float, so that the ray meets the surface a little beside the place: nothing that near to it
-     * blocks */
     *sample = (LightSample){.direction = vec3f_from(vec3_scale(to, 1 / distance)),
-                            .distance = distance * fmax(1 - 4e-7 / cosine, 0.5),
+                            .distance = light_look_distance(distance, cosine),
                             .object = RTC_NO_OBJECT,
                             .primitive = RTC_NO_OBJECT,
                             .pdf_w = (float)(distance * distance / (cosine * area))};

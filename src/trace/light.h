@@ -21,6 +21,14 @@ typedef struct LightSample {
     Lanes radiance; /* actual radiance in the light's own medium; of a delta light its irradiance from there */
 } LightSample;
 
+/* How far to look for what hides a place on a light's surface, which is met at that cosine. The direction is rounded to float, so
+ * that the ray meets the surface a little beside the place: nothing that near to it blocks, and a wall right behind a flat light is
+ * not reached. */
+static inline double light_look_distance(double distance, double cosine)
+{
+    return distance * fmax(1 - 4e-7 / cosine, 0.5);
+}
+
 /* The radiance, also of the environment: looked up when nothing is in the way, as it may be far away in memory. */
 static inline Lanes light_sample_radiance(const World *world, const LightSample *sample, Lanes wavelength_nm)
 {

@@ -103,8 +103,7 @@ void light_flat_sample(const SceneLight *light, const Affine *to_world, Vec3 fro
     bool beside = in_patch && light->kind == LIGHT_DISC && local.x * local.x + local.z * local.z > w * w;
     if (!(*radiance > 0) || !(area > 0) || beside) return;
     *sample = (LightSample){.direction = vec3f_from(vec3_scale(to, 1 / distance)),
-                            /* a little behind the light: it is the ray's target and does not block it */
-                            .distance = distance * (1 + 1e-5),
+                            .distance = light_look_distance(distance, cosine),
                             .object = light->object,
                             .primitive = RTC_NO_OBJECT,
                             .pdf_w = (float)(distance * distance / (cosine * area))};

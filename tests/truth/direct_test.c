@@ -106,6 +106,27 @@ static void discs(void **state)
     }
 }
 
+/* A panel hangs right under its ceiling, nearer to it than a hundred-thousandth of the way to the floor: what is behind a light does
+ * not hide it. */
+static void under_a_ceiling(void **state)
+{
+    (void)state;
+    static const double gaps[] = {1e-2, 1e-4, 2e-5};
+    static const Vec3 corners[] = {{-15, 20, -6}, {15, 20, -6}, {15, 20, 6}, {-15, 20, 6}};
+    static const char *const shapes[] = {"shape = disc  radius = 15", "size = <30, 12>"};
+    const double irradiance[] = {TRUTH_PI * 2 * 225 / 625, 2 * fabs(lamberts_polygon(corners, 4))};
+    for (int shape = 0; shape < 2; shape++)
+        for (size_t i = 0; i < COUNT_OF(gaps); i++) {
+            char light[400], what[80];
+            snprintf(light, sizeof light,
+                     "light { %s  from = <0, 20, 0>  to = <0, 0, 0>  radiance = 2 }\n"
+                     "box { from = <-90, %.17g, -90>  to = <90, 30, 90>  surface = surface { albedo = 0 } }",
+                     shapes[shape], 20 * (1 + gaps[i] / 20));
+            snprintf(what, sizeof what, "%s, %g under a ceiling", shape ? "quad" : "disc", gaps[i]);
+            expect_both(what, light, NULL, irradiance[shape], 4096);
+        }
+}
+
 /* What shines into a cone alone, and lights the place from all of that: pi L sin^2; less where it fades, as L is then that of its middle.
  * By power it is the power over the light's area, whatever the cone. */
 static void into_a_cone(void **state)
@@ -324,6 +345,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(spheres),        cmocka_unit_test(quads),         cmocka_unit_test(discs),
+        cmocka_unit_test(under_a_ceiling),
         cmocka_unit_test(into_a_cone),    cmocka_unit_test(from_infinity), cmocka_unit_test(in_murk),
         cmocka_unit_test(bulb_in_murk),   cmocka_unit_test(agree_in_fog),  cmocka_unit_test(through_panes),
         cmocka_unit_test(lamps_of_lines),
