@@ -234,47 +234,68 @@ static Status find_beacons(World *world, Error *error)
     return STATUS_OK;
 }
 
+/* What shines, and how often each of it is tried. Emitters come first, as all else asks what they are. */
+static Status init_lights(World *world, Pool *pool, Error *error)
+{
+    TRY(emitters_find(world->compiled, &world->media, pool, &world->emitters, error));
+    for (unsigned reach = 0; reach < REACHES; reach++) TRY(choose_lights(world, reach, error));
+    TRY(light_reach_find(world, error));
+    TRY(find_portals(world, error));
+    for (unsigned reach = 0; reach < REACHES; reach++)
+        world->choices[reach].one = is_one_light(world, &world->choices[reach]);
+    return find_lines(world, error);
+}
+
+/* What there is at all in the scene, so that paths need not ask for what there is not. Lights are known. */
+static void note_traits(World *world)
+{
+    const Scene *scene = world->scene;
+    world->moves = scene->n_keys > 0;
+    for (uint32_t i = 0; i < scene->n_lights; i++) world->has_distant |= scene->lights[i].kind == LIGHT_DISTANT;
+    for (uint32_t i = 0; i < scene->n_media; i++) {
+        world->scatters |= scene->media[i].scatters;
+        world->disperses |= world_medium_disperses(world, i);
+    }
+    for (uint32_t i = 0; i < scene->n_objects; i++) {
+        world->has_panes |= scene_is_pane(scene, i);
+        world->has_paint |= scene_is_painted(scene, i);
+    }
+    world->seeks_airlight = world->scatters && world_lights(world)->n;
+}
+
+/* What surrounds the camera, and its lens. It is known whether anything moves. */
+static Status stand_camera(World *world, Error *error)
+{
+    TRY(compiled_stand(world->compiled, &world->camera, &world->camera_list, NULL, error));
+    world->camera_list_moves = world->moves && camera_list_may_move(world);
+    world->lens_crosses = lens_may_cross(world);
+    if (world->lens_crosses && !world->moves) TRY(lens_new(world->compiled, &world->camera, &world->lens, error));
+    return STATUS_OK;
+}
+
+/* Beacons come last: to find them, paths are traced in the world, which has to be complete but for these. */
+static Status init_parts(World *world, uint32_t camera, Pool *pool, Error *error)
+{
+    if (camera >= world->scene->n_cameras)
+        return fail(error, STATUS_RENDER, "the scene has no camera number %u", camera + 1);
+    world->camera = world->scene->cameras[camera];
+    TRY(media_find(world->compiled, &world->media, error));
+    TRY(looks_find(world->scene, &world->looks, error));
+    TRY(balances_new(world->scene, &world->balances, error));
+    TRY(init_lights(world, pool, error));
+    note_traits(world);
+    TRY(stand_camera(world, error));
+    reflected_color_init(&world->reflected);
+    return find_beacons(world, error);
+}
+
 Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, uint32_t max_bounces,
                   bool no_absorption, Pool *pool, Error *error)
 {
     *world = (World){
         .compiled = compiled, .scene = compiled->scene, .no_absorption = no_absorption, .max_bounces = max_bounces};
     nest_list_init(&world->camera_list);
-    if (camera >= compiled->scene->n_cameras)
-        return fail(error, STATUS_RENDER, "the scene has no camera number %u", camera + 1);
-    world->camera = compiled->scene->cameras[camera];
-    Status status = media_find(compiled, &world->media, error);
-    if (status == STATUS_OK) status = looks_find(world->scene, &world->looks, error);
-    if (status == STATUS_OK) status = balances_new(world->scene, &world->balances, error);
-    if (status == STATUS_OK) status = emitters_find(compiled, &world->media, pool, &world->emitters, error);
-    for (unsigned reach = 0; status == STATUS_OK && reach < REACHES; reach++)
-        status = choose_lights(world, reach, error);
-    if (status == STATUS_OK) status = light_reach_find(world, error);
-    if (status == STATUS_OK) status = find_portals(world, error);
-    if (status == STATUS_OK) status = find_lines(world, error);
-    if (status == STATUS_OK) {
-        for (unsigned reach = 0; reach < REACHES; reach++)
-            world->choices[reach].one = is_one_light(world, &world->choices[reach]);
-        status = compiled_stand(compiled, &world->camera, &world->camera_list, NULL, error);
-        world->moves = world->scene->n_keys > 0;
-        for (uint32_t i = 0; i < world->scene->n_lights; i++)
-            world->has_distant |= world->scene->lights[i].kind == LIGHT_DISTANT;
-        for (uint32_t i = 0; i < world->scene->n_media; i++) {
-            world->scatters |= world->scene->media[i].scatters;
-            world->disperses |= world_medium_disperses(world, i);
-        }
-        for (uint32_t i = 0; i < world->scene->n_objects; i++) {
-            world->has_panes |= scene_is_pane(world->scene, i);
-            world->has_paint |= scene_is_painted(world->scene, i);
-        }
-        world->seeks_airlight = world->scatters && world_lights(world)->n;
-        world->camera_list_moves = world->moves && camera_list_may_move(world);
-        world->lens_crosses = lens_may_cross(world);
-        if (status == STATUS_OK && world->lens_crosses && !world->moves)
-            status = lens_new(compiled, &world->camera, &world->lens, error);
-        reflected_color_init(&world->reflected);
-        if (status == STATUS_OK) status = find_beacons(world, error);
-    }
+    Status status = init_parts(world, camera, pool, error);
     if (status != STATUS_OK) world_clear(world);
     return status;
 }
