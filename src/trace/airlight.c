@@ -3,6 +3,8 @@
 #include "trace/airlight.h"
 
 #include "optics/sampling.h"
+#include "trace/event.h"
+#include "trace/shade.h"
 #include "trace/shaft.h"
 
 /* A stretch that scatters less than this part of the light is looked at with a probability in proportion: what it adds to

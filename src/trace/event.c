@@ -1,9 +1,12 @@
 /* event.c - from one event of a path to the next: surfaces crossed in silence, media flown through, and the same for
  * straight rays to lights.
  * SPDX-License-Identifier: Apache-2.0 */
+#include "trace/event.h"
+
 #include "base/array.h"
 #include "nest/csg.h"
 #include "trace/airlight.h"
+#include "trace/shade_bsdf.h"
 
 /* A straight line that crosses more surfaces than this without any event is given up, and counted. */
 enum { SILENT_LIMIT = 100000 };

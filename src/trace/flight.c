@@ -20,6 +20,8 @@
 #include "base/array.h"
 #include "optics/sampling.h"
 #include "trace/airlight.h"
+#include "trace/probe.h"
+#include "trace/shade.h"
 
 /* A budget is never nothing: a flight that ended where it began, at a surface, would leave the next ray on that surface without
  * a word of which side of it it is on. One random number in 2^24 is 0; this is the mean of what it stands for. */

@@ -14,6 +14,11 @@
 
 #include "trace/airlight.h"
 #include "trace/backdrop.h"
+#include "trace/event.h"
+#include "trace/probe.h"
+#include "trace/shade.h"
+#include "trace/sight.h"
+#include "trace/texture_shade.h"
 
 /* Paths that carry less than this are left to Russian roulette. A picture is looked at by its relative error, and what
  * is seen through a drink is dark as a whole: ended earlier, its paths are its noise. Measured on the examples, by the

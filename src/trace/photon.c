@@ -5,7 +5,9 @@
 #include <stdlib.h>
 
 #include "optics/sampling.h"
+#include "trace/event.h"
 #include "trace/photon_start.h"
+#include "trace/shade.h"
 
 /* A scattering whose density per steradian is above this sends light on almost as a smooth surface does: it is about that
  * of a roughness of 0.25. */

@@ -5,6 +5,7 @@
 #include "trace/photon_start.h"
 
 #include "optics/sampling.h"
+#include "trace/shade.h"
 
 /* Where there are such lamps, half the photons are theirs. */
 #define BEAMS_PART 0.5

@@ -14,11 +14,14 @@
  *
  * What decides whether light is of that kind, and the weights, must not depend on which of the wavelengths is the hero.
  * SPDX-License-Identifier: Apache-2.0 */
+#include "trace/probe.h"
+
 #include <stdlib.h>
 
 #include "optics/color.h"
 #include "optics/sampling.h"
-#include "trace/path_parts.h"
+#include "trace/event.h"
+#include "trace/texture_shade.h"
 
 /* A probe's events are numbered beyond those of all paths, so that it has random numbers of its own. */
 enum { FIRST_BOUNCE = 1 << 24 };

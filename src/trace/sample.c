@@ -16,9 +16,17 @@
  * after equal time (bench sampling): still-life 3.0 and 1.8, cut-glass 2.7 and 1.7, round-solids 2.8 and 1.7. A second path for
  * half of the samples, which then has to make up for the others, too: still-life 1.2, cut-glass 0.8, round-solids 1.1.
  * SPDX-License-Identifier: Apache-2.0 */
-#include "trace/path_parts.h"
+#include "trace/event.h"
 
 #define SHARED 0.4f /* s */
+
+/* The boundary, of one surface, where a sample's first path comes to be bent apart, for the second one to go on from there: the path in
+ * front of it, and the event; the list in front is tracer->forked. */
+typedef struct PathFork {
+    bool kept;
+    Path path;
+    Event event;
+} PathFork;
 
 /* The list where a ray of an orthographic camera starts. A way to there from the camera's centre would be long, and its float
  * direction miss the place by more than that place is apart from surfaces; so the list is looked for anew, at a place of floats,

@@ -1,10 +1,16 @@
 /* shade.c - what happens to a path at a surface, a boundary, or a place within a medium.
  * SPDX-License-Identifier: Apache-2.0 */
+#include "trace/shade.h"
+
 #include "optics/fresnel.h"
 #include "optics/sampling.h"
 #include "trace/airlight.h"
 #include "trace/backdrop.h"
+#include "trace/event.h"
+#include "trace/probe.h"
+#include "trace/shade_bsdf.h"
 #include "trace/shaft.h"
+#include "trace/texture_shade.h"
 
 Lanes path_basic_radiance(const World *world, Lanes radiance, uint32_t medium, Lanes wavelength_nm)
 {

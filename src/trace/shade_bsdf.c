@@ -4,9 +4,12 @@
  * hero, which goes into the path's ratio. Against light sampling, directions count with the mean of these densities
  * over the lanes, by their ratios: with that the weights of both techniques add up to one for every wavelength.
  * SPDX-License-Identifier: Apache-2.0 */
+#include "trace/shade_bsdf.h"
+
 #include "optics/bsdf_spec.h"
 #include "optics/sampling.h"
-#include "trace/path_parts.h"
+#include "trace/event.h"
+#include "trace/probe.h"
 
 /* The local frame of a Bsdf about a normal. */
 typedef struct Frame {

@@ -4,6 +4,8 @@
 
 #include "optics/sampling.h"
 #include "trace/airlight.h"
+#include "trace/event.h"
+#include "trace/probe.h"
 
 /* Stretches of paths that media have scattered more often are not looked at: there are many of them, of little light each. */
 #define MOST_SCATTERED 1

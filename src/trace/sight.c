@@ -4,11 +4,14 @@
  * is one thing at each place, without the noise of the choices that paths make, and without what the glass mirrors; coverage is by
  * samples, as at any edge.
  * SPDX-License-Identifier: Apache-2.0 */
+#include "trace/sight.h"
+
 #include "nest/cross.h"
 #include "optics/fresnel.h"
 #include "optics/microfacet.h"
 #include "optics/sampling.h"
-#include "trace/path_parts.h"
+#include "trace/shade.h"
+#include "trace/texture_shade.h"
 #include "trace/texture_view.h"
 
 /* A line that has come to so many boundaries, in a gem, say, ends at the next one. */

@@ -4,8 +4,9 @@
  * curvature of surfaces. Instead of that, what is seen by way of boundaries and mirrors is told apart four times as
  * finely, as glass may magnify it.
  * SPDX-License-Identifier: Apache-2.0 */
+#include "trace/texture_shade.h"
+
 #include "optics/sampling.h"
-#include "trace/path_parts.h"
 #include "trace/texture_view.h"
 
 void path_reach(Path *path, const Event *event)

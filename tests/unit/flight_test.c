@@ -4,6 +4,7 @@
 
 #include "dice.h"
 #include "scene_fixture.h"
+#include "trace/event.h"
 #include "trace/flight.h"
 
 #define VIEW "environment { } camera { from = <0, 0, 500> to = <0, 0, 0> } "

@@ -4,7 +4,7 @@
 
 #include "dice.h"
 #include "scene_fixture.h"
-#include "trace/path_parts.h"
+#include "trace/event.h"
 
 #define CORNERS 48
 /* A mesh turned in steps, which absorbs and has the index of what is around it, so that straight rays go through. */

@@ -1,0 +1,27 @@
+/* texture_shade.h - what textures make of a surface at a hit: its parameters, and its shading normal; private to src/trace.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_TEXTURE_SHADE_H
+#define MEN_TEXTURE_SHADE_H
+
+#include "trace/shade.h"
+
+/* The cone around the path, as wide as it is where the event is. */
+void path_reach(Path *path, const Event *event);
+/* Where the path goes on after an event: the cone around it widens with the directions that it could have taken. */
+void path_widen(Path *path);
+/* A shading normal such that nothing that comes from `view` is mirrored into the surface. */
+Vec3f path_bend_normal(Vec3f view, Vec3f geometric, Vec3f normal);
+/* What bumps and normal maps make of the shading normal; footprint: the size of what need not be told apart. At smooth
+ * boundaries it is 0: a normal that depends on how far a path has come would let light into total reflections that it
+ * never gets out of. */
+void path_relief(const Path *path, const Event *event, const SceneSurface *surface, double footprint,
+                 SurfacePlace *place);
+/* The parameters that a surface with textures has where it was hit, for the four wavelengths given and no others; and
+ * what path_relief does. */
+void path_read_textures(const Path *path, const Event *event, const SceneSurface *surface, SurfacePlace *place,
+                        Lanes wavelength_nm, BsdfSpec *spec);
+/* path_albedos of a surface with textures. */
+void path_read_albedos(const Path *path, const Event *event, const SceneSurface *surface,
+                       const Lanes wavelength_nm[COLOR_FOURS], Lanes albedo[COLOR_FOURS]);
+
+#endif
