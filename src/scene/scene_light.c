@@ -1,0 +1,99 @@
+/* scene_light.c - see scene_light.h.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "scene/scene_light.h"
+
+#include <math.h>
+
+/* The angle about the axis as one of those that the profile has. */
+static double fold(const LightProfile *profile, double angle)
+{
+    double first = (double)profile->horizontal[0], last = (double)profile->horizontal[profile->n_horizontal - 1];
+    if (profile->n_horizontal == 1) return first;
+    if (profile->type != PROFILE_C) return first < 0 ? angle : fabs(angle);
+    if (first == 90) return angle < 90 ? 180 - angle : angle > 270 ? 540 - angle : angle; /* 90 .. 270 */
+    if (last <= 180 && angle > 180) angle = 360 - angle;
+    if (last <= 90 && angle > 90) angle = 180 - angle;
+    return angle;
+}
+
+/* The interval of ascending values that holds x: its number, and where in it. */
+static uint32_t find_interval(const float *values, uint32_t n, double x, double *part)
+{
+    uint32_t low = 0, high = n - 1;
+    *part = 0;
+    if (n < 2) return 0;
+    while (high - low > 1) {
+        uint32_t middle = low + (high - low) / 2;
+        if ((double)values[middle] <= x)
+            low = middle;
+        else
+            high = middle;
+    }
+    *part = (x - (double)values[low]) / (double)(values[low + 1] - values[low]);
+    *part = fmin(fmax(*part, 0), 1);
+    return low;
+}
+
+/* The two angles of a direction, in degrees; false where a lamp of this type is dark. */
+static bool profile_angles(ProfileType type, Vec3 direction, double *vertical, double *horizontal)
+{
+    const double degree = 3.14159265358979323846 / 180;
+    if (type == PROFILE_C) {
+        *vertical = atan2(hypot(direction.x, direction.z), direction.y) / degree;
+        *horizontal = atan2(direction.z, direction.x) / degree;
+        if (*horizontal < 0) *horizontal += 360;
+        return true;
+    }
+    /* of A and B: the one angle about an axis, the other from the plane across it */
+    Vec3 d = direction;
+    double right = -d.x, up = -d.z;
+    if (d.y < 0) return false;
+    *vertical = (type == PROFILE_B ? atan2(up, d.y) : atan2(up, hypot(right, d.y))) / degree;
+    *horizontal = (type == PROFILE_B ? atan2(right, hypot(up, d.y)) : atan2(right, d.y)) / degree;
+    return true;
+}
+
+static double profile_at(const LightProfile *profile, Vec3 direction)
+{
+    double vertical, horizontal;
+    uint32_t n = profile->n_vertical;
+    if (!profile_angles(profile->type, direction, &vertical, &horizontal)) return 0;
+    if (profile->type != PROFILE_C && !(profile->vertical[0] < 0)) vertical = fabs(vertical);
+    if (vertical < (double)profile->vertical[0] || vertical > (double)profile->vertical[n - 1]) return 0;
+    double down, across;
+    uint32_t row = find_interval(profile->vertical, n, vertical, &down);
+    uint32_t column = find_interval(profile->horizontal, profile->n_horizontal, fold(profile, horizontal), &across);
+    const float *left = profile->intensity + (size_t)column * n + row;
+    const float *right = profile->n_horizontal > 1 ? left + n : left;
+    double low = (double)left[0] + down * (double)(left[1] - left[0]),
+           high = (double)right[0] + down * (double)(right[1] - right[0]);
+    return low + across * (high - low);
+}
+
+float light_shape(const SceneLight *light, Vec3 direction)
+{
+    if (light->profile) return (float)profile_at(light->profile, direction);
+    if (direction.y >= light->cos_full) return 1;
+    if (direction.y <= light->cos_none) return 0;
+    double part = (direction.y - light->cos_none) / (light->cos_full - light->cos_none);
+    return (float)(part * part * (3 - 2 * part));
+}
+
+double light_beam(const SceneLight *light)
+{
+    enum { DOWN = 360, ACROSS = 180 };
+    const double pi = 3.14159265358979323846;
+    double sum = 0;
+    for (int i = 0; light->profile && i < DOWN; i++) {
+        double low = cos(pi * i / DOWN), high = cos(pi * (i + 1) / DOWN), y = cos(pi * (i + 0.5) / DOWN),
+               r = sqrt(1 - y * y);
+        for (int k = 0; k < ACROSS; k++) {
+            double turn = 2 * pi * (k + 0.5) / ACROSS;
+            sum += (low - high) * 2 * pi / ACROSS * profile_at(light->profile, vec3(r * cos(turn), y, r * sin(turn)));
+        }
+    }
+    if (light->profile) return sum;
+    double full = light->cos_full, none = light->cos_none, fade = full - none;
+    if (light->kind == LIGHT_POINT) return 2 * pi * (1 - 0.5 * (full + none)); /* the smooth step's mean is 1/2, */
+    return pi * (1 - full * full) + 2 * pi * fade * (0.5 * none + 0.35 * fade); /* and times its place it is 0.35 */
+}
