@@ -227,6 +227,8 @@ uint32_t build_medium(Builder *b, const EvalNode *node)
     if (!medium.name) medium.name = nameless;
     const EvalProp *ior = eval_prop(node, "ior");
     if (ior && index_of_refraction(b, ior, &medium.ior)) medium.disperses = !spectrum_is_constant(&medium.ior);
+    /* a formula that comes to a number is that number, which is the quickest to look up */
+    if (!medium.disperses) medium.ior = spectrum_constant(spectrum_at_one(&medium.ior, SCENE_INDEX_NM));
     mixing_of(b, node, &medium);
     absorption_of(b, node, &medium);
     scattering_of(b, node, &medium);

@@ -101,10 +101,10 @@ ATTR_NODISCARD Status world_init(World *world, const CompiledScene *compiled, ui
 void world_leave_to_chance(World *world);
 ATTR_NODISCARD Status world_find_mesh_boxes(World *world, Error *error);
 void world_clear(World *world);
-/* Whether a medium's index may change with the wavelength. */
+/* Whether a medium's index changes with the wavelength. */
 static inline bool world_medium_disperses(const World *world, uint32_t medium)
 {
-    return world->scene->media[medium].ior.kind != SPECTRUM_CONSTANT;
+    return world->scene->media[medium].disperses;
 }
 /* The wavelengths of a path, by u in [0, 1). */
 static inline WavelengthSample world_wavelengths(const World *world, float u)

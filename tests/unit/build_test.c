@@ -125,6 +125,27 @@ static void dispersion_can_be_left_out(void **state)
     fixture_clear(&without);
 }
 
+static void an_index_that_does_not_change_is_a_number(void **state)
+{
+    (void)state;
+    static const char *const scenes[] = {
+        M "medium m { ior = cauchy(1.5, 0) } sphere a { interior = m }" V,
+        M "medium m { ior = spectrum([<380, 1.5>, <780, 1.5>]) } sphere a { interior = m }" V};
+    Fixture number;
+    GOOD(&number, "medium m { ior = 1.5 } sphere a { interior = m }");
+    for (size_t i = 0; i < COUNT_OF(scenes); i++) {
+        Fixture f;
+        fixture_good(&f, scenes[i]);
+        const SceneMedium *m = medium_of(&f, "a");
+        assert_false(m->disperses);
+        assert_int_equal(m->ior.kind, SPECTRUM_CONSTANT);
+        assert_true(spectrum_at_one(&m->ior, 400) == 1.5f);
+        assert_true(f.scene->hash == number.scene->hash);
+        fixture_clear(&f);
+    }
+    fixture_clear(&number);
+}
+
 static void the_world_is_air_unless_it_is_not(void **state)
 {
     (void)state;
@@ -830,6 +851,7 @@ int main(void)
         cmocka_unit_test(phases_that_were_measured),
         cmocka_unit_test(media_keep_their_properties),
         cmocka_unit_test(dispersion_can_be_left_out),
+        cmocka_unit_test(an_index_that_does_not_change_is_a_number),
         cmocka_unit_test(the_world_is_air_unless_it_is_not),
         cmocka_unit_test(wrong_media_are_refused),
         cmocka_unit_test(surfaces_are_diffuse_or_checkered),
