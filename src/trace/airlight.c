@@ -210,38 +210,37 @@ double airlight_off_ends(const Path *path, double t)
     return fmin(fmax(t, way->begin + margin), way->end - margin);
 }
 
-static bool look_near(const Path *path, double rest, const float place[2], const float u[2], Look *look)
+/* query: of which all is set but where from. */
+static bool look_near(const Path *path, LightQuery *query, const float u[2], Look *look)
 {
     const World *world = path->tracer->world;
     const Airway *way = &path->way;
-    const double time = path->ray.time;
     LightLine line = line_of(way);
     float of_tree;
-    uint32_t emitter = light_tree_choose_along(world->emitters.tree, &line, &rest, &of_tree);
+    uint32_t emitter = light_tree_choose_along(world->emitters.tree, &line, &query->rest, &of_tree);
     if (emitter == LIGHT_TREE_NONE) return false;
     float share = share_near(path, way, emitter);
     if (u[0] >= share) return false;
-    LightPivot pivot = light_pivot(world, emitter, time, rest, place);
+    LightPivot pivot = light_pivot(world, emitter, query->time, query->rest, query->u);
     Fall fall;
     if (!fall_about(path, way, emitter, &pivot, &fall)) return false;
     look->t = airlight_off_ends(path, fall_sample(&fall, (double)u[1]));
-    Vec3 from = ray_point(&path->ray, look->t);
-    light_sample_emitter(world, emitter, from, time, rest, place, path->wavelengths.nm, &look->light);
+    query->from = ray_point(&path->ray, look->t);
+    light_sample_emitter(world, emitter, query, &look->light);
     look->here = way->lights->near * of_tree * share * fall_density(&fall, look->t);
-    look->there = light_choice(world, way->lights, emitter, from, vec3f(0, 0, 0));
+    look->there = light_choice(world, way->lights, emitter, query->from, query->normal);
     return look->here > 0 && look->there > 0;
 }
 
-static bool look_far(const Path *path, const LightChoice *chosen, double rest, const float place[2], const float u[2],
-                     Look *look)
+static bool look_far(const Path *path, const LightChoice *chosen, LightQuery *query, const float u[2], Look *look)
 {
     const Airway *way = &path->way;
     float share = share_far(way);
     if (u[0] >= share) return false;
     double along = sampling_exponential((double)u[1], (double)way->extinction, way->end - way->begin);
     look->t = airlight_off_ends(path, way->begin + along);
-    light_sample_choice(path->tracer->world, chosen, ray_point(&path->ray, look->t), vec3f(0, 0, 0), path->ray.time,
-                        rest, place, path->wavelengths.nm, &look->light);
+    query->from = ray_point(&path->ray, look->t);
+    light_sample_choice(path->tracer->world, chosen, query, &look->light);
     look->here = share * pass_density(way, look->t);
     look->there = 1;
     return true;
@@ -286,16 +285,17 @@ static Lanes scattered_at(Path *path, const Look *look, uint32_t medium, bool un
 
 static void look(Path *path, const FreeFlight *flight, uint32_t medium, bool uneven, uint32_t number)
 {
-    float choice[2], place[2], u[2];
+    float choice[2], u[2];
     sampler_2d(&path->sampler, dimension(path, number, 2), u);
     if (u[0] >= path->way.share) return;
     sampler_2d(&path->sampler, dimension(path, number, 0), choice);
-    sampler_2d(&path->sampler, dimension(path, number, 1), place);
-    double rest = (double)choice[0] + (double)choice[1] * 0x1p-24;
-    const LightChoice *chosen = light_choose(path->way.lights, &rest);
+    LightQuery query = {.time = path->ray.time,
+                        .rest = (double)choice[0] + (double)choice[1] * 0x1p-24,
+                        .wavelength_nm = path->wavelengths.nm};
+    sampler_2d(&path->sampler, dimension(path, number, 1), query.u);
+    const LightChoice *chosen = light_choose(path->way.lights, &query.rest);
     Look look;
-    if (!(chosen->light == LIGHT_NEAR ? look_near(path, rest, place, u, &look)
-                                      : look_far(path, chosen, rest, place, u, &look)))
+    if (!(chosen->light == LIGHT_NEAR ? look_near(path, &query, u, &look) : look_far(path, chosen, &query, u, &look)))
         return;
     if (!(look.light.pdf_w > 0)) return;
     Lanes factor = scattered_at(path, &look, medium, uneven), light;

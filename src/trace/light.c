@@ -90,13 +90,12 @@ static Vec3 triangle_point(const World *world, const Emitter *emitter, double ti
     return vec3_along(vec3_along(corner[0], root * (1 - (double)u[1]), a), root * (double)u[1], b);
 }
 
-static void sample_triangle(const World *world, const Emitter *emitter, Vec3 from, double time, const float u[2],
-                            LightSample *sample)
+static void sample_triangle(const World *world, const Emitter *emitter, const LightQuery *query, LightSample *sample)
 {
-    Vec3 across, place = triangle_point(world, emitter, time, u, &across);
+    Vec3 across, place = triangle_point(world, emitter, query->time, query->u, &across);
     double length = vec3_length(across);
     bool two_sided = !world->scene->shapes[world->scene->objects[emitter->of].shape].closed;
-    sample_place(from, place, vec3_scale(across, 1 / length), two_sided, 0.5 * length, sample);
+    sample_place(query->from, place, vec3_scale(across, 1 / length), two_sided, 0.5 * length, sample);
     sample->object = emitter->of;
     sample->primitive = emitter->part;
 }
@@ -107,17 +106,16 @@ static const Piece *piece_of(const World *world, const SceneObject *object, uint
 }
 
 /* Uniform in the piece's own area, which an uneven map makes uneven. */
-static void sample_piece(const World *world, const Emitter *emitter, Vec3 from, double time, const float u[2],
-                         LightSample *sample)
+static void sample_piece(const World *world, const Emitter *emitter, const LightQuery *query, LightSample *sample)
 {
     const SceneObject *object = &world->scene->objects[emitter->of];
     const Piece *piece = piece_of(world, object, emitter->part);
     Affine room;
-    const Affine *to_world = object_place(world, object, time, &room);
-    Vec3 normal, local = piece_sample(piece, (double)u[0], (double)u[1], &normal);
+    const Affine *to_world = object_place(world, object, query->time, &room);
+    Vec3 normal, local = piece_sample(piece, (double)query->u[0], (double)query->u[1], &normal);
     Vec3 across = affine_area(to_world, normal);
     double stretch = vec3_length(across), sign = affine_determinant(to_world) < 0 ? -1 : 1;
-    sample_place(from, affine_point(to_world, local), vec3_scale(across, sign / stretch), false,
+    sample_place(query->from, affine_point(to_world, local), vec3_scale(across, sign / stretch), false,
                  piece_area(piece) * stretch, sample);
 }
 
@@ -155,22 +153,23 @@ static void sample_point(const SceneLight *light, const Affine *to_world, Vec3 f
                             .radiance = lanes_all((float)((double)shape / square))};
 }
 
-static void sample_light(const World *world, const SceneLight *light, Vec3 from, double time, const float u[2],
-                         Lanes wavelength_nm, LightSample *sample)
+static void sample_light(const World *world, const SceneLight *light, const LightQuery *query, LightSample *sample)
 {
     Affine room;
-    const Affine *to_world = light_place(world, light, time, &room);
-    Lanes radiance = spectrum_at(&light->radiance, wavelength_nm);
+    const Affine *to_world = light_place(world, light, query->time, &room);
+    Lanes radiance = spectrum_at(&light->radiance, query->wavelength_nm);
     switch (light->kind) {
-    case LIGHT_SPHERE: sample_sphere(light->object, light->half_width, to_world->t, from, u, sample); break;
-    case LIGHT_DISTANT: sample_distant(light, u, sample); break;
+    case LIGHT_SPHERE:
+        sample_sphere(light->object, light->half_width, to_world->t, query->from, query->u, sample);
+        break;
+    case LIGHT_DISTANT: sample_distant(light, query->u, sample); break;
     case LIGHT_POINT:
-        sample_point(light, to_world, from, sample);
+        sample_point(light, to_world, query->from, sample);
         radiance = lanes_mul(sample->radiance, radiance);
         break;
     default: {
         float part;
-        light_flat_sample(light, to_world, from, u, sample, &part);
+        light_flat_sample(light, to_world, query->from, query->u, sample, &part);
         radiance = lanes_scale(radiance, part);
     }
     }
@@ -178,24 +177,24 @@ static void sample_light(const World *world, const SceneLight *light, Vec3 from,
 }
 
 /* What a place shines that was chosen on an object: its own, or its texture's there. */
-static Lanes sample_emission(const World *world, const SceneSurface *surface, const Emitter *emitter, Vec3 from,
-                             double time, const LightSample *sample, Lanes wavelength_nm)
+static Lanes sample_emission(const World *world, const SceneSurface *surface, const Emitter *emitter,
+                             const LightQuery *query, const LightSample *sample)
 {
     if (surface->emission_texture == SCENE_NONE || !(sample->pdf_w > 0))
-        return spectrum_at(&surface->emission, wavelength_nm);
-    Ray ray = ray_make(from, sample->direction);
-    ray.time = time;
+        return spectrum_at(&surface->emission, query->wavelength_nm);
+    Ray ray = ray_make(query->from, sample->direction);
+    ray.time = query->time;
     Hit hit = {.t = sample->distance / (1 + 1e-5), .object = emitter->of, .primitive = emitter->part};
     if (emitter->kind == EMITTER_BALL) { /* of which the sample knows the direction only */
         const SceneObject *object = &world->scene->objects[emitter->of];
         double radius = ball_radius(world, object, emitter->part);
-        Vec3 to = vec3_sub(object->to_world.t, from);
+        Vec3 to = vec3_sub(object->to_world.t, query->from);
         double middle = vec3_dot(to, vec3_from_f(sample->direction));
         hit.t = middle - sqrt(fmax(radius * radius + middle * middle - vec3_dot(to, to), 0));
     }
     if (emitter->kind == EMITTER_TRIANGLE) {
         Vec3 corner[3], p = ray_point(&ray, hit.t);
-        rtc_triangle(world->compiled->rtc, emitter->of, emitter->part, time, corner);
+        rtc_triangle(world->compiled->rtc, emitter->of, emitter->part, query->time, corner);
         Vec3 b = vec3_sub(corner[1], corner[0]), c = vec3_sub(corner[2], corner[0]), at = vec3_sub(p, corner[0]);
         Vec3 normal = vec3_cross(b, c);
         double square = vec3_dot(normal, normal);
@@ -205,16 +204,16 @@ static Lanes sample_emission(const World *world, const SceneSurface *surface, co
     } else {
         hit.normal = vec3f_negate(sample->direction); /* only tells the side: patterns are looked up just beneath it */
     }
-    return texture_emission(world, surface, &ray, &hit, wavelength_nm);
+    return texture_emission(world, surface, &ray, &hit, query->wavelength_nm);
 }
 
-/* Towards a place of a medium that shines. rest: uniform in [0, 1). */
-static void sample_glow(const World *world, const Glow *glow, Vec3 from, double time, double rest, const float u[2],
-                        Lanes wavelength_nm, LightSample *sample)
+/* Towards a place of a medium that shines. */
+static void sample_glow(const World *world, const Glow *glow, const LightQuery *query, LightSample *sample)
 {
-    GlowPoint point = glow_sample(world->scene, glow, time, rest, u);
+    const Lanes wavelength_nm = query->wavelength_nm;
+    GlowPoint point = glow_sample(world->scene, glow, query->time, query->rest, query->u);
     const SceneMedium *medium = &world->scene->media[glow->place->medium];
-    Vec3 to = vec3_sub(point.position, from);
+    Vec3 to = vec3_sub(point.position, query->from);
     double distance = vec3_length(to);
     *sample = (LightSample){.pdf_w = 0};
     if (!(point.amount > 0) || !(distance > 0)) return;
@@ -229,34 +228,31 @@ static void sample_glow(const World *world, const Glow *glow, Vec3 from, double 
                             .radiance = radiance};
 }
 
-/* rest: uniform in [0, 1), for what takes more than two numbers. */
-static void sample_emitter(const World *world, const Emitter *emitter, Vec3 from, double time, double rest,
-                           const float u[2], Lanes wavelength_nm, LightSample *sample)
+static void sample_emitter(const World *world, const Emitter *emitter, const LightQuery *query, LightSample *sample)
 {
     const Scene *scene = world->scene;
     if (emitter->kind == EMITTER_LIGHT) {
-        sample_light(world, &scene->lights[emitter->of], from, time, u, wavelength_nm, sample);
+        sample_light(world, &scene->lights[emitter->of], query, sample);
         return;
     }
     if (emitter->kind == EMITTER_GLOW) {
-        sample_glow(world, &world->media.glows[emitter->of], from, time, rest, u, wavelength_nm, sample);
+        sample_glow(world, &world->media.glows[emitter->of], query, sample);
         return;
     }
     const SceneObject *object = &scene->objects[emitter->of];
     if (emitter->kind == EMITTER_TRIANGLE)
-        sample_triangle(world, emitter, from, time, u, sample);
+        sample_triangle(world, emitter, query, sample);
     else if (emitter->kind == EMITTER_BALL)
-        sample_sphere(emitter->of, ball_radius(world, object, emitter->part), object->to_world.t, from, u, sample);
+        sample_sphere(emitter->of, ball_radius(world, object, emitter->part), object->to_world.t, query->from, query->u,
+                      sample);
     else
-        sample_piece(world, emitter, from, time, u, sample);
-    sample->radiance =
-        sample_emission(world, &scene->surfaces[object->surface], emitter, from, time, sample, wavelength_nm);
+        sample_piece(world, emitter, query, sample);
+    sample->radiance = sample_emission(world, &scene->surfaces[object->surface], emitter, query, sample);
 }
 
-void light_sample_emitter(const World *world, uint32_t emitter, Vec3 from, double time, double rest, const float u[2],
-                          Lanes wavelength_nm, LightSample *sample)
+void light_sample_emitter(const World *world, uint32_t emitter, const LightQuery *query, LightSample *sample)
 {
-    sample_emitter(world, &world->emitters.emitters[emitter], from, time, rest, u, wavelength_nm, sample);
+    sample_emitter(world, &world->emitters.emitters[emitter], query, sample);
     sample->emitter = emitter;
     sample->choice = 1;
 }
@@ -286,39 +282,36 @@ const LightChoice *light_choose(const LightChoices *choices, double *choice)
     return chosen;
 }
 
-void light_sample_choice(const World *world, const LightChoice *chosen, Vec3 from, Vec3f normal, double time,
-                         double choice, const float u[2], Lanes wavelength_nm, LightSample *sample)
+void light_sample_choice(const World *world, const LightChoice *chosen, LightQuery *query, LightSample *sample)
 {
     float probability = chosen->probability;
     if (chosen->light == LIGHT_NEAR) {
         float of_tree;
-        uint32_t emitter = light_tree_choose(world->emitters.tree, from, normal, &choice, &of_tree);
+        uint32_t emitter = light_tree_choose(world->emitters.tree, query->from, query->normal, &query->rest, &of_tree);
         if (emitter == LIGHT_TREE_NONE) {
             *sample = (LightSample){.pdf_w = 0};
             return;
         }
-        light_sample_emitter(world, emitter, from, time, choice, u, wavelength_nm, sample);
+        light_sample_emitter(world, emitter, query, sample);
         probability *= of_tree;
     } else {
         if (chosen->light == LIGHT_ENVIRONMENT)
-            light_sample_environment(world, from, normal, choice, u, sample);
+            light_sample_environment(world, query, sample);
         else
-            sample_light(world, &world->scene->lights[chosen->light], from, time, u, wavelength_nm, sample);
+            sample_light(world, &world->scene->lights[chosen->light], query, sample);
         sample->emitter = EMITTER_NONE;
     }
     sample->choice = probability;
     sample->pdf_w *= probability;
 }
 
-void light_sample(const World *world, const LightChoices *choices, Vec3 from, Vec3f normal, double time, double choice,
-                  const float u[2], Lanes wavelength_nm, LightSample *sample)
+void light_sample(const World *world, const LightChoices *choices, LightQuery *query, LightSample *sample)
 {
     if (!choices->n) {
         *sample = (LightSample){.pdf_w = 0};
         return;
     }
-    const LightChoice *chosen = light_choose(choices, &choice);
-    light_sample_choice(world, chosen, from, normal, time, choice, u, wavelength_nm, sample);
+    light_sample_choice(world, light_choose(choices, &query->rest), query, sample);
 }
 
 /* ---- what lights a line ---- */

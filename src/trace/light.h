@@ -36,18 +36,24 @@ static inline Lanes light_sample_radiance(const World *world, const LightSample 
     return environment_radiance_at(world->scene->environment, &sample->sky, wavelength_nm);
 }
 
-/* normal: of the surface at `from`, if it takes light from its one side only; zero where light may come from anywhere
- * (media, surfaces that let light through). choice, u: uniform in [0, 1); where there are many lights, choice needs more
- * digits than a float has. time: of the shutter. */
-void light_sample(const World *world, const LightChoices *choices, Vec3 from, Vec3f normal, double time, double choice,
-                  const float u[2], Lanes wavelength_nm, LightSample *sample);
+/* Where light is looked for, when, and by which random numbers. */
+typedef struct LightQuery {
+    Vec3 from;
+    Vec3f normal; /* unit, of the surface at `from`, if it takes light from its one side only; zero where light may come from
+                   * anywhere (media, surfaces that let light through) */
+    double time;  /* of the shutter, 0 .. 1 */
+    double rest;  /* uniform in [0, 1), for choosing a light, and then what that leaves of its digits, for what takes more than u;
+                   * where there are many lights, it needs more digits than a float has */
+    float u[2];   /* uniform in [0, 1), for the place on the light */
+    Lanes wavelength_nm;
+} LightQuery;
 
-/* The same with an entry of the choices that was chosen already; choice: what is left of the digits. */
-void light_sample_choice(const World *world, const LightChoice *chosen, Vec3 from, Vec3f normal, double time,
-                         double choice, const float u[2], Lanes wavelength_nm, LightSample *sample);
-/* The same with an emitter of world->emitters; pdf_w is then without its choice, and so is choice. */
-void light_sample_emitter(const World *world, uint32_t emitter, Vec3 from, double time, double rest, const float u[2],
-                          Lanes wavelength_nm, LightSample *sample);
+/* Afterwards query->rest is what is left of it. */
+void light_sample(const World *world, const LightChoices *choices, LightQuery *query, LightSample *sample);
+/* The same with an entry of the choices that was chosen already. */
+void light_sample_choice(const World *world, const LightChoice *chosen, LightQuery *query, LightSample *sample);
+/* The same with an emitter of world->emitters; pdf_w is then without its choice, and so is choice. The normal does not matter. */
+void light_sample_emitter(const World *world, uint32_t emitter, const LightQuery *query, LightSample *sample);
 /* Of an emitter that is flat and shines into a cone: area times projected solid angle of what it shines into, as if it were as
  * bright to all of that; one that moves as it is at rest. 0 of others. */
 double light_send_extent(const World *world, uint32_t emitter);
@@ -93,16 +99,21 @@ static inline float light_choice(const World *world, const LightChoices *choices
     return choices->near * light_tree_probability(world->emitters.tree, emitter, from, normal);
 }
 
-/* What comes from infinity along direction: environment and distant lights, each with its density; sight: those that are hidden to
- * cameras do not count. A call
- * with weight_pdf >= 0 weights each by the balance heuristic against that density (per steradian) of the
- * caller's own sampling from there with these choices and that normal, see light_sample; weight_pdf < 0 takes all of it. */
-Lanes light_from_infinity(const World *world, const LightChoices *choices, Vec3 from, Vec3f normal, Vec3f direction,
-                          bool sight, float weight_pdf, Lanes wavelength_nm);
+/* A direction that was not found by light_sample, which could have found it, too: as from there, with these choices. */
+typedef struct LightRival {
+    const LightChoices *choices;
+    Vec3 from;
+    Vec3f normal; /* as LightQuery's */
+    float pdf_w;  /* density of the direction as it was found, per steradian; < 0: nothing competes with it */
+} LightRival;
+
+/* What comes from infinity along direction: environment and distant lights, each weighted by the balance heuristic, or all of it where
+ * nothing competes; sight: those that are hidden to cameras do not count. */
+Lanes light_from_infinity(const World *world, const LightRival *rival, Vec3f direction, bool sight,
+                          Lanes wavelength_nm);
 
 /* The environment's part of light_sample, without the choice of the environment itself: by the environment's own
  * brightness, or through one of the portals that are seen from there. pdf_w is the density of all these ways together. */
-void light_sample_environment(const World *world, Vec3 from, Vec3f normal, double choice, const float u[2],
-                              LightSample *sample);
+void light_sample_environment(const World *world, const LightQuery *query, LightSample *sample);
 
 #endif

@@ -116,19 +116,19 @@ static void sample_portal(const Views *views, double share, const float u[2], Li
     sample->pdf_w = density_of_both(views, density, by_environment);
 }
 
-void light_sample_environment(const World *world, Vec3 from, Vec3f normal, double choice, const float u[2],
-                              LightSample *sample)
+void light_sample_environment(const World *world, const LightQuery *query, LightSample *sample)
 {
     Views views;
     if (world->n_portals) {
-        look_at_all(&views, world, from, normal);
-        if (views.power > 0 && choice >= without_portals) {
-            sample_portal(&views, (choice - without_portals) / (1 - without_portals), u, sample);
+        look_at_all(&views, world, query->from, query->normal);
+        if (views.power > 0 && query->rest >= without_portals) {
+            sample_portal(&views, (query->rest - without_portals) / (1 - without_portals), query->u, sample);
             return;
         }
     }
     *sample = (LightSample){.distance = HUGE_VAL, .object = RTC_NO_OBJECT, .of_sky = true};
-    Vec3f local = environment_sample_place(world->scene->environment, u[0], u[1], &sample->pdf_w, &sample->sky);
+    Vec3f local =
+        environment_sample_place(world->scene->environment, query->u[0], query->u[1], &sample->pdf_w, &sample->sky);
     /* the map is a rotation: its transpose is its inverse */
     sample->direction =
         vec3f_normalize(vec3f_from(affine_normal(&world->scene->world_to_environment, vec3_from_f(local))));
@@ -137,11 +137,11 @@ void light_sample_environment(const World *world, Vec3 from, Vec3f normal, doubl
 }
 
 /* The density of light_sample_environment; by_environment: the environment's own. */
-static float environment_density(const World *world, Vec3 from, Vec3f normal, Vec3f direction, float by_environment)
+static float environment_density(const World *world, const LightRival *rival, Vec3f direction, float by_environment)
 {
     if (!world->n_portals) return by_environment;
     Views views;
-    look_at_all(&views, world, from, normal);
+    look_at_all(&views, world, rival->from, rival->normal);
     return density_of_both(&views, portals_density(&views, direction, UINT32_MAX), by_environment);
 }
 
@@ -160,10 +160,11 @@ static bool is_within(const SceneLight *light, Vec3f direction)
     return along > 0 && along * along >= light->cos_angle * light->cos_angle * vec3_dot(d, d);
 }
 
-Lanes light_from_infinity(const World *world, const LightChoices *choices, Vec3 from, Vec3f normal, Vec3f direction,
-                          bool sight, float weight_pdf, Lanes wavelength_nm)
+Lanes light_from_infinity(const World *world, const LightRival *rival, Vec3f direction, bool sight, Lanes wavelength_nm)
 {
     const Scene *scene = world->scene;
+    const LightChoices *choices = rival->choices;
+    const float weight_pdf = rival->pdf_w;
     Lanes sum = lanes_all(0);
     if (scene->environment && !(sight && scene->environment_hidden)) {
         bool weighed = weight_pdf >= 0 && choices->environment > 0;
@@ -171,7 +172,7 @@ Lanes light_from_infinity(const World *world, const LightChoices *choices, Vec3 
         float pdf = 0;
         sum = weighed ? environment_look(scene->environment, local, wavelength_nm, &pdf)
                       : environment_radiance(scene->environment, local, wavelength_nm);
-        if (weighed) pdf = choices->environment * environment_density(world, from, normal, direction, pdf);
+        if (weighed) pdf = choices->environment * environment_density(world, rival, direction, pdf);
         sum = lanes_scale(sum, weight_against(weight_pdf, pdf));
     }
     for (uint32_t i = 0; world->has_distant && i < scene->n_lights; i++) {

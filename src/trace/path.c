@@ -162,9 +162,9 @@ static void find_infinity(Path *path)
     bool sight = path->ray.sight;
     if (sight && (!scene->environment || scene->environment_hidden))
         path->open = lanes_mean(path->beta) / lanes_mean(path->ratio);
-    Lanes radiance =
-        light_from_infinity(world, path->scatter_lights, path->scatter_point, path->scatter_normal, path->ray.direction,
-                            sight, path->scatter_pdf / (1 + airlight_rival_far(path)), path->wavelengths.nm);
+    const LightRival rival = {path->scatter_lights, path->scatter_point, path->scatter_normal,
+                              path->scatter_pdf / (1 + airlight_rival_far(path))};
+    Lanes radiance = light_from_infinity(world, &rival, path->ray.direction, sight, path->wavelengths.nm);
     path_add_radiance(path, lanes_all(path_found_part(path, lanes_mean(radiance))),
                       path_basic_radiance(world, radiance, WORLD_MEDIUM, path->wavelengths.nm));
     /* out here the ray is in nothing that is bounded, or a surface was lost */

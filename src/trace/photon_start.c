@@ -92,9 +92,9 @@ void photon_choose_light(const Path *path, const PhotonStart *start, Vec3 from, 
         path_choose_light(path, world_lights(world), from, normal, light);
     } else {
         enum { APART = 1 << 20 }; /* from the numbers of the way */
-        float u[2];
-        sampler_2d(&path->sampler, sampler_dimension(APART + start->attempt, DIM_LIGHT), u);
-        light_sample_emitter(world, start->emitter, from, path->ray.time, 0, u, path->wavelengths.nm, light);
+        LightQuery query = {.from = from, .time = path->ray.time, .wavelength_nm = path->wavelengths.nm};
+        sampler_2d(&path->sampler, sampler_dimension(APART + start->attempt, DIM_LIGHT), query.u);
+        light_sample_emitter(world, start->emitter, &query, light);
     }
     light->radiance = light_sample_radiance(world, light, path->wavelengths.nm);
 }

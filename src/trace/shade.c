@@ -117,18 +117,17 @@ static double choice_of_light(const Path *path, float u[2])
 
 void path_choose_light(const Path *path, const LightChoices *choices, Vec3 from, Vec3f normal, LightSample *light)
 {
-    const World *world = path->tracer->world;
-    float u[2];
-    double digits = 0;
     if (!choices->n) {
         *light = (LightSample){.pdf_w = 0};
         return;
     }
+    LightQuery query = {
+        .from = from, .normal = normal, .time = path->ray.time, .wavelength_nm = path->wavelengths.nm};
     if (choices->one)
-        sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_LIGHT), u);
+        sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_LIGHT), query.u);
     else
-        digits = choice_of_light(path, u);
-    light_sample(world, choices, from, normal, path->ray.time, digits, u, path->wavelengths.nm, light);
+        query.rest = choice_of_light(path, query.u);
+    light_sample(path->tracer->world, choices, &query, light);
 }
 
 bool path_light_arrives(Path *path, const LightSample *light, Ray *ray, Lanes *basic)

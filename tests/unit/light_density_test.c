@@ -56,9 +56,9 @@ static Lanes some_wavelengths(void)
 /* What light_from_infinity weighs light with, found from the weight: w / (w + pdf). */
 static double density_outside(const World *world, Vec3 from, Vec3f normal, Vec3f direction)
 {
-    Lanes all = light_from_infinity(world, world_lights(world), from, normal, direction, false, -1, some_wavelengths());
-    Lanes weighted =
-        light_from_infinity(world, world_lights(world), from, normal, direction, false, 1, some_wavelengths());
+    const LightRival none = {world_lights(world), from, normal, -1}, one = {world_lights(world), from, normal, 1};
+    Lanes all = light_from_infinity(world, &none, direction, false, some_wavelengths());
+    Lanes weighted = light_from_infinity(world, &one, direction, false, some_wavelengths());
     if (lanes_zero(all)) return 0;
     return (double)lanes_get(all, 0) / (double)lanes_get(weighted, 0) - 1;
 }
@@ -170,10 +170,11 @@ static void draw(const World *world, const Case *c, const Bins *bins, Dice *dice
 {
     HitList hits = {0};
     for (int i = 0; i < SAMPLES; i++) {
-        float u[2] = {(float)fmin(dice_unit(dice), 1 - 0x1p-24), (float)fmin(dice_unit(dice), 1 - 0x1p-24)};
+        LightQuery query = {.from = c->from, .normal = c->normal, .wavelength_nm = some_wavelengths()};
+        for (int k = 0; k < 2; k++) query.u[k] = (float)fmin(dice_unit(dice), 1 - 0x1p-24);
+        query.rest = dice_unit(dice);
         LightSample sample;
-        light_sample(world, world_lights(world), c->from, c->normal, 0, dice_unit(dice), u, some_wavelengths(),
-                     &sample);
+        light_sample(world, world_lights(world), &query, &sample);
         if (!(sample.pdf_w > 0)) continue;
         assert_false(sample.delta);
         assert_near((double)vec3f_length(sample.direction), 1, 1e-6);

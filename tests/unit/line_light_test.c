@@ -122,8 +122,9 @@ static void reach(void **state)
             Vec3f direction = vec3f_from(along);
             bool reaches = light_reach(&world, emitter, 0, from, direction, &begin, &end);
             Vec3 place = vec3_along(from, t, vec3_from_f(direction));
+            const LightQuery query = {.from = place, .rest = rest, .u = {u[0], u[1]}, .wavelength_nm = nm};
             LightSample sample;
-            light_sample_emitter(&world, emitter, place, 0, rest, u, nm, &sample);
+            light_sample_emitter(&world, emitter, &query, &sample);
             bool inside = reaches && t > begin + 1e-3 && t < end - 1e-3;
             bool outside = !reaches || t < begin - 1e-3 || t > end + 1e-3;
             n_shone += sample.pdf_w > 0;
