@@ -214,7 +214,8 @@ static bool render_sample(Job *job, unsigned worker, uint32_t x, uint32_t y, uin
     float rgb[3], alpha;
     uint64_t rays = tracer->counters.rays;
     if (tracer->notes_sight) before = tracer->counters;
-    trace_sample(tracer, x, y, settings->width, settings->height, settings->seed, index, rgb, &alpha);
+    const FilmSample sample = {x, y, settings->width, settings->height, settings->seed, index};
+    trace_sample(tracer, &sample, rgb, &alpha);
     if (tracer->notes_sight)
         aov_film_add(&job->state->aovs, x, y, &tracer->first_sight, &tracer->behind, &before, &tracer->counters);
     bool saturated = film_add(&job->state->film, x, y, rgb, alpha);

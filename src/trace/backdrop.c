@@ -33,10 +33,13 @@ Status backdrop_find(const World *world, double *brightness, Error *error)
     tracer_init(&tracer, world);
     tracer.backdrop = &backdrop;
     for (uint32_t i = 0; i < MOST && backdrop.squares < MOST && !tracer.out_of_memory; i++) {
-        uint32_t x = (2 * (i % SIDE) + 1) * film->width / (2 * SIDE),
-                 y = (2 * (i / SIDE) + 1) * film->height / (2 * SIDE);
+        const FilmSample sample = {.x = (2 * (i % SIDE) + 1) * film->width / (2 * SIDE),
+                                   .y = (2 * (i / SIDE) + 1) * film->height / (2 * SIDE),
+                                   .width = film->width,
+                                   .height = film->height,
+                                   .index = i};
         float rgb[3], alpha;
-        trace_sample(&tracer, x, y, film->width, film->height, 0, i, rgb, &alpha);
+        trace_sample(&tracer, &sample, rgb, &alpha);
     }
     bool enough = !tracer.out_of_memory;
     tracer_clear(&tracer);

@@ -213,12 +213,12 @@ static void look_at_spot(void *context, uint32_t i, unsigned worker)
     Tracer *tracer = &trial->tracers[worker];
     uint64_t rays = tracer->counters.rays;
     double luminance[SPOT_PATHS], by_brightness[SPOT_PATHS], sum = 0;
+    FilmSample sample = {spot->x, spot->y, settings->width, settings->height, ~settings->seed, spot->first_sample};
     ledger->n = 0;
-    for (uint32_t k = 0; k < SPOT_PATHS; k++) {
+    for (uint32_t k = 0; k < SPOT_PATHS; k++, sample.index++) {
         float rgb[3], alpha;
         ledger->path = k;
-        trace_sample(tracer, spot->x, spot->y, settings->width, settings->height, ~settings->seed,
-                     spot->first_sample + k, rgb, &alpha);
+        trace_sample(tracer, &sample, rgb, &alpha);
         sum += luminance[k] = (double)color_luminance(rgb);
     }
     spot->worker = worker;

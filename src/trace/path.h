@@ -126,11 +126,18 @@ typedef struct FilmPoint {
     uint32_t width, height;
 } FilmPoint;
 
+/* Which sample of which pixel. */
+typedef struct FilmSample {
+    uint32_t x, y;          /* the pixel, from the top left corner of a frame of */
+    uint32_t width, height; /* so many, */
+    uint32_t seed;          /* of all random numbers, */
+    uint32_t index;         /* and the sample's number among those of the pixel */
+} FilmSample;
+
 /* Radiance and coverage of one sample of a pixel. rgb: linear working space; alpha: 1 - what would come through of a picture behind
  * this one: 1 where an environment is seen, and anything that does not let light straight on; 0 where nothing is. Where chance decides
  * what a path meets, only its mean is between 0 and 1. Faults of this path are added to *faults (may be NULL). */
-void trace_sample(Tracer *tracer, uint32_t x, uint32_t y, uint32_t width, uint32_t height, uint32_t seed,
-                  uint32_t index, float rgb[3], float *alpha);
+void trace_sample(Tracer *tracer, const FilmSample *sample, float rgb[3], float *alpha);
 
 /* Half of a pixel, as large as pixels are in the middle: where its ray starts, and how much more it is for each unit of the way. */
 typedef struct Footprint {

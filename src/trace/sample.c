@@ -78,8 +78,9 @@ static double filtered(bool box, float u)
 }
 
 /* A pixel's samples follow each other, and have most of what their first numbers take in common. */
-static const PixelSampler *find_sampler(Tracer *tracer, uint32_t seed, uint32_t x, uint32_t y, uint32_t index)
+static const PixelSampler *find_sampler(Tracer *tracer, const FilmSample *sample)
 {
+    const uint32_t seed = sample->seed, x = sample->x, y = sample->y, index = sample->index;
     PixelSampler *pixel = &tracer->pixel;
     SamplePattern pattern = tracer->world->trial.pattern;
     bool alike = LIKELY(pattern != PATTERN_INDEPENDENT);
@@ -227,15 +228,15 @@ static Lanes follow_again(Tracer *tracer, const PixelSampler *pixel, FilmPoint p
     return path.radiance;
 }
 
-void trace_sample(Tracer *tracer, uint32_t x, uint32_t y, uint32_t width, uint32_t height, uint32_t seed,
-                  uint32_t index, float rgb[3], float *alpha)
+void trace_sample(Tracer *tracer, const FilmSample *sample, float rgb[3], float *alpha)
 {
     const World *world = tracer->world;
-    const PixelSampler *pixel = find_sampler(tracer, seed, x, y, index);
+    const PixelSampler *pixel = find_sampler(tracer, sample);
     float u[2];
     sampler_stream_2d(&pixel->place, pixel->sampler.index_reversed, u);
     bool box = world->scene->film.box;
-    FilmPoint point = {(double)x + 0.5 + filtered(box, u[0]), (double)y + 0.5 + filtered(box, u[1]), width, height};
+    FilmPoint point = {(double)sample->x + 0.5 + filtered(box, u[0]), (double)sample->y + 0.5 + filtered(box, u[1]),
+                       sample->width, sample->height};
     WavelengthSample wavelengths = choose_wavelengths(world, pixel);
     IndexLanes lanes = {-1, -1};
     if (world->disperses && LIKELY(!world->trial.hero_alone)) lanes = choose_indices(pixel, &wavelengths);

@@ -53,7 +53,8 @@ static void see(Fixture *f, float albedo[3])
     assert_int_equal(world_init(&world, f->compiled, 0, 4, false, NULL, &error), STATUS_OK);
     tracer_init(&tracer, &world);
     tracer.notes_sight = true;
-    trace_sample(&tracer, 50, 50, 101, 101, 0, 0, rgb, &alpha);
+    const FilmSample sample = {.x = 50, .y = 50, .width = 101, .height = 101};
+    trace_sample(&tracer, &sample, rgb, &alpha);
     const FirstSight *sight = &tracer.first_sight;
     assert_true(sight->met);
     memcpy(albedo, sight->albedo, sizeof sight->albedo);
