@@ -72,11 +72,18 @@ typedef struct GuideWorth {
     uint64_t rays;        /* that this took */
 } GuideWorth;
 
-/* Follows about so many of the camera's paths with the guide, of which the threshold is set, and throws them away. Sets the cells'
- * shares so that variance times work is least, and how often paths came to them; photons: as guide_build left them.
- * STATUS_NOMEM. */
-ATTR_NODISCARD Status guide_try(Guide *guide, const World *world, const GuideSettings *settings, uint32_t paths,
-                                const Photon *photons, uint32_t followed, Pool *pool, GuideWorth *worth, Error *error);
+/* What a guide is tried out on, and what it was made of. */
+typedef struct GuideTrial {
+    const World *world;
+    const GuideSettings *settings;
+    uint32_t paths;        /* about so many of the camera's */
+    const Photon *photons; /* that landed, as guide_build left them, */
+    uint32_t followed;     /* and of how many */
+} GuideTrial;
+
+/* Follows those paths with the guide, of which the threshold is set, and throws them away. Sets the cells' shares so that variance
+ * times work is least, and how often paths came to them. STATUS_NOMEM. */
+ATTR_NODISCARD Status guide_try(Guide *guide, const GuideTrial *of, Pool *pool, GuideWorth *worth, Error *error);
 
 /* ---- guide_build.c ---- */
 

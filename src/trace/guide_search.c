@@ -155,8 +155,12 @@ static Status try_out(GuideSearch *search, uint64_t one_in, Error *error)
     paths = paths > MOST_TRIED ? MOST_TRIED : paths < FEWEST_TRIED ? FEWEST_TRIED : paths;
     search->guide->threshold = search->source.threshold;
     search->guide->bright = search->facts.worth.bright;
-    TRY(guide_try(search->guide, search->source.world, settings, (uint32_t)paths, search->landed,
-                  search->facts.followed, search->pool, &search->facts.worth, error));
+    const GuideTrial trial = {.world = search->source.world,
+                              .settings = settings,
+                              .paths = (uint32_t)paths,
+                              .photons = search->landed,
+                              .followed = search->facts.followed};
+    TRY(guide_try(search->guide, &trial, search->pool, &search->facts.worth, error));
     search->facts.tried++;
     return STATUS_OK;
 }

@@ -483,16 +483,15 @@ static void trial_clear(Tryout *trial, unsigned n_threads)
     free(trial->chosen);
 }
 
-Status guide_try(Guide *guide, const World *world, const GuideSettings *settings, uint32_t paths, const Photon *photons,
-                 uint32_t followed, Pool *pool, GuideWorth *worth, Error *error)
+Status guide_try(Guide *guide, const GuideTrial *of, Pool *pool, GuideWorth *worth, Error *error)
 {
     unsigned n_threads = pool_threads(pool);
-    Tryout trial = {.world = *world, .settings = settings, .guide = guide};
-    uint64_t pixels = (uint64_t)settings->width * settings->height, spots = paths / SPOT_PATHS + 1;
+    Tryout trial = {.world = *of->world, .settings = of->settings, .guide = guide};
+    uint64_t pixels = (uint64_t)of->settings->width * of->settings->height, spots = of->paths / SPOT_PATHS + 1;
     trial.n_spots = (uint32_t)(spots < pixels ? spots : pixels);
     trial.paths = (double)trial.n_spots * SPOT_PATHS;
     *worth = (GuideWorth){.gain = 1};
-    bool out_of_memory = !prepare(&trial, n_threads) || !place_spots(&trial, photons);
+    bool out_of_memory = !prepare(&trial, n_threads) || !place_spots(&trial, of->photons);
     if (!out_of_memory) {
         trial.world.guide = guide;
         for (uint32_t i = 0; i < guide->n_cells; i++) set_shares(&guide->cells[i], TRIED);
@@ -503,7 +502,7 @@ Status guide_try(Guide *guide, const World *world, const GuideSettings *settings
             out_of_memory |= trial.ledgers[i].out_of_memory || trial.tracers[i].out_of_memory;
             worth->rays += trial.tracers[i].counters.rays;
         }
-        if (!out_of_memory) conclude(&trial, photons, followed, worth);
+        if (!out_of_memory) conclude(&trial, of->photons, of->followed, worth);
     }
     trial_clear(&trial, n_threads);
     return out_of_memory ? fail(error, STATUS_NOMEM, "out of memory while trying what photons are worth") : STATUS_OK;
