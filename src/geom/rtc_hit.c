@@ -425,10 +425,12 @@ ATTR_COLD static void agree_at_edges(const RtcScene *scene, double time, Hit *hi
     }
 }
 
-/* rtc_leave from a hit of n; several: n > 1. */
-static inline void leave_from(const RtcScene *scene, const Ray *ray, Hit *hit, Hit *hits, size_t n, bool several,
-                              bool through, Vec3f direction, Ray *next)
+/* rtc_leave, once it is known how many hits there are at the start; for one alone, which is what nearly all are, it is less. */
+static inline void leave_from(const RtcScene *scene, const Ray *ray, Hit *hits, size_t n, bool through, Vec3f direction,
+                              Ray *next)
 {
+    const bool several = n > 1;
+    Hit *hit = several && through ? &hits[n - 1] : hits;
     Vec3 normal = vec3_from_f(hit->normal), along = vec3_from_f(direction), origin = ray_point(ray, hit->t);
     double slope = vec3_dot(normal, along), start_scale = vec3_max_abs(ray->origin) + hit->t, time = ray->time;
     double least_slope = fabs(slope);
@@ -459,7 +461,7 @@ ATTR_COLD static void leave_several(const RtcScene *scene, const Ray *ray, Hit *
                                     Vec3f direction, Ray *next)
 {
     *n = keep_at_start(scene, ray, hits, *n, through);
-    leave_from(scene, ray, through ? &hits[*n - 1] : &hits[0], hits, *n, *n > 1, through, direction, next);
+    leave_from(scene, ray, hits, *n, through, direction, next);
 }
 
 void rtc_leave(const RtcScene *scene, const Ray *ray, Hit *hits, size_t *n, bool through, Vec3f direction, Ray *next)
@@ -467,5 +469,5 @@ void rtc_leave(const RtcScene *scene, const Ray *ray, Hit *hits, size_t *n, bool
     if (UNLIKELY(*n > 1))
         leave_several(scene, ray, hits, n, through, direction, next);
     else
-        leave_from(scene, ray, hits, hits, 1, false, through, direction, next);
+        leave_from(scene, ray, hits, 1, through, direction, next);
 }
