@@ -131,10 +131,20 @@ static int clamped(int i, int n)
     return i < 0 ? 0 : i >= n ? n - 1 : i;
 }
 
-/* to (+)= kernel along x, then along y, of channel `channel` of `stride`; the border is repeated. */
-static void filter(const Plane *plane, const float *from, int stride, int channel, const Kernel *along_x,
-                   const Kernel *along_y, float *between, float *to, bool add)
+/* What a filter reads and writes: pixels of `stride` numbers each, of which it takes one. */
+typedef struct Layer {
+    const float *from;
+    float *to;      /* laid out as from is */
+    float *between; /* room for one number of each pixel */
+    int stride, channel;
+} Layer;
+
+/* to (+)= kernel along x, then along y; the border is repeated. */
+static void filter(const Plane *plane, const Layer *layer, const Kernel *along_x, const Kernel *along_y, bool add)
 {
+    const int stride = layer->stride, channel = layer->channel;
+    const float *from = layer->from;
+    float *between = layer->between, *to = layer->to;
     for (int y = 0; y < plane->height; y++) {
         const float *line = from + (size_t)y * (size_t)plane->width * (size_t)stride + channel;
         for (int x = 0; x < plane->width; x++) {
@@ -190,8 +200,10 @@ static void detect_features(const Plane *plane, const float *lightness, int orde
 {
     Kernel smooth = feature_kernel(0), derivative = feature_kernel(order);
     float *across = scratch, *along = scratch + plane->n_pixels, *between = scratch + 2 * plane->n_pixels;
-    filter(plane, lightness, 1, 0, &derivative, &smooth, between, across, false);
-    filter(plane, lightness, 1, 0, &smooth, &derivative, between, along, false);
+    const Layer to_across = {.from = lightness, .to = across, .between = between, .stride = 1};
+    const Layer to_along = {.from = lightness, .to = along, .between = between, .stride = 1};
+    filter(plane, &to_across, &derivative, &smooth, false);
+    filter(plane, &to_along, &smooth, &derivative, false);
     for (size_t i = 0; i < plane->n_pixels; i++) strength[i] = hypotf(across[i], along[i]);
 }
 
@@ -211,7 +223,8 @@ static void filter_opponent(const Plane *plane, float *opponent, float *scratch,
     for (int i = 0; i < 4; i++) {
         Kernel kernel = sensitivity_kernel(terms[i].b);
         Kernel weighted = scaled_kernel(kernel, weights[i] / totals[terms[i].channel]);
-        filter(plane, opponent, 3, terms[i].channel, &kernel, &weighted, scratch, filtered, i == 3);
+        const Layer layer = {opponent, filtered, scratch, 3, terms[i].channel};
+        filter(plane, &layer, &kernel, &weighted, i == 3);
     }
     memcpy(opponent, filtered, 3 * plane->n_pixels * sizeof(float));
 }
