@@ -145,14 +145,16 @@ static bool typical(Path *path, uint32_t medium, bool uneven, Lanes *scattering,
 }
 
 /* Sets path->way but for its shares; false: nothing is scattered there, or nobody looks for it. */
-static bool enter(Path *path, const FreeFlight *flight, uint32_t medium, bool uneven, double begin, double length)
+static bool enter(Path *path, const FlightStretch *stretch, double begin, double length)
 {
+    const FreeFlight *flight = stretch->flight;
     const World *world = path->tracer->world;
     Airway *way = &path->way;
     Lanes scattering, even;
     way->share = way->rarity = way->shaft = 0;
-    way->lights = world_lights_in(world, medium);
-    if ((!way->lights->n && !world->guide) || !(length > 0) || !typical(path, medium, uneven, &scattering, &even))
+    way->lights = world_lights_in(world, stretch->medium);
+    if ((!way->lights->n && !world->guide) || !(length > 0) ||
+        !typical(path, stretch->medium, stretch->uneven, &scattering, &even))
         return false;
     float mean = lanes_mean(scattering), of_even = lanes_mean(even), all = float_max(of_even, mean);
     double reach = fmin(length, 1e18);
@@ -283,8 +285,9 @@ static Lanes scattered_at(Path *path, const Look *look, uint32_t medium, bool un
     return lanes_mul(sum, left);
 }
 
-static void look(Path *path, const FreeFlight *flight, uint32_t medium, bool uneven, uint32_t number)
+static void look(Path *path, const FlightStretch *stretch)
 {
+    const uint32_t number = stretch->number;
     float choice[2], u[2];
     sampler_2d(&path->sampler, dimension(path, number, 2), u);
     if (u[0] >= path->way.share) return;
@@ -298,7 +301,7 @@ static void look(Path *path, const FreeFlight *flight, uint32_t medium, bool une
     if (!(chosen->light == LIGHT_NEAR ? look_near(path, &query, u, &look) : look_far(path, chosen, &query, u, &look)))
         return;
     if (!(look.light.pdf_w > 0)) return;
-    Lanes factor = scattered_at(path, &look, medium, uneven), light;
+    Lanes factor = scattered_at(path, &look, stretch->medium, stretch->uneven), light;
     if (lanes_zero(factor)) return;
     if (!path_turn_aside(path->tracer, &look.t)) {
         path->tracer->out_of_memory = true;
@@ -309,15 +312,14 @@ static void look(Path *path, const FreeFlight *flight, uint32_t medium, bool une
     ray.time = path->ray.time;
     bool arrives = path_light_arrives(path, &look.light, &ray, &light);
     path_turn_back(path->tracer);
-    if (arrives) flight_add_light(path, flight, lanes_mul(factor, light));
+    if (arrives) flight_add_light(path, stretch->flight, lanes_mul(factor, light));
 }
 
-void airlight_look(Path *path, const FreeFlight *flight, uint32_t medium, bool uneven, double begin, double length,
-                   uint32_t number)
+void airlight_look(Path *path, const FlightStretch *stretch, double begin, double length)
 {
-    if (!enter(path, flight, medium, uneven, begin, length)) return;
-    shaft_look(path, flight, medium, uneven, number);
-    if (is_looked_at(path)) look(path, flight, medium, uneven, number);
+    if (!enter(path, stretch, begin, length)) return;
+    shaft_look(path, stretch);
+    if (is_looked_at(path)) look(path, stretch);
 }
 
 /* ---- weights ---- */

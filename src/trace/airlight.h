@@ -22,10 +22,8 @@
 
 enum { AIRLIGHT_STRETCHES = 8 };
 
-/* Looks for light on the stretch that the path is about to fly through, from t = begin on; number: of the stretches of this
- * flight. Keeps in path->way what weights need. */
-void airlight_look(Path *path, const FreeFlight *flight, uint32_t medium, bool uneven, double begin, double length,
-                   uint32_t number);
+/* Looks for light on the stretch that the path is about to fly through, from t = begin on. Keeps in path->way what weights need. */
+void airlight_look(Path *path, const FlightStretch *stretch, double begin, double length);
 /* The flight was scattered at t, of the last stretch. */
 void airlight_note(Path *path, const FreeFlight *flight, bool uneven, double t);
 /* Which of all the stretches of a path it is, for random numbers. */

@@ -391,7 +391,8 @@ void path_next_event(Path *path, Event *event)
         uint32_t medium = event->medium;
         double t = n ? hits[0].t : HUGE_VAL, length = double_max(t - t_done, 0);
         uneven = flight_is_uneven(world, &tracer->list, medium);
-        if (UNLIKELY(path->looks)) airlight_look(path, &flight, medium, uneven, t_done, length, silent);
+        if (UNLIKELY(path->looks))
+            airlight_look(path, &(FlightStretch){&flight, medium, uneven, silent}, t_done, length);
         double flown = LIKELY(!uneven) ? flight_even(path, &flight, medium, length)
                                        : flight_uneven(path, &flight, t_done, length, &medium);
         if (flown < length) {

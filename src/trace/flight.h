@@ -20,6 +20,14 @@ typedef struct FreeFlight {
     uint32_t key, n_drawn;     /* of the flight's own random numbers */
 } FreeFlight;
 
+/* A stretch of a flight, for looking for the light that is scattered on it. */
+typedef struct FlightStretch {
+    const FreeFlight *flight;
+    uint32_t medium; /* that owns the places there */
+    bool uneven;     /* as flight_is_uneven says */
+    uint32_t number; /* of the stretches of this flight */
+} FlightStretch;
+
 /* Draws how far. */
 void flight_draw(Path *path, FreeFlight *flight);
 static inline void flight_begin(Path *path, FreeFlight *flight)

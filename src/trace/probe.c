@@ -72,11 +72,10 @@ static Status start_list(const Path *path, const Event *event, const SurfacePlac
     return path_copy_behind(tracer, event, list);
 }
 
-void path_send_probe(Path *path, const GuideAt *guide, Event *event, const SurfacePlace *place, bool through,
-                     Vec3f direction, Lanes scattered, float pdf_w)
+void path_send_probe(Path *path, const GuideAt *guide, Event *event, const SurfacePlace *place, const ProbeWay *way)
 {
     Tracer *tracer = path->tracer, *prober = tracer->prober;
-    if (!(pdf_w > 0)) return;
+    if (!(way->pdf_w > 0)) return;
     if (UNLIKELY(!prober)) prober = tracer->prober = tracers_new(tracer->world, 1);
     if (UNLIKELY(!prober)) {
         tracer->out_of_memory = true;
@@ -85,19 +84,19 @@ void path_send_probe(Path *path, const GuideAt *guide, Event *event, const Surfa
     Path probe = *path;
     probe.tracer = prober;
     probe.fork = NULL;
-    path_start_ray(path, event, place, through, direction, &probe.ray);
-    if (start_list(path, event, place, through, &probe.ray, &prober->list) != STATUS_OK) {
+    path_start_ray(path, event, place, way->through, way->direction, &probe.ray);
+    if (start_list(path, event, place, way->through, &probe.ray, &prober->list) != STATUS_OK) {
         tracer->out_of_memory = true;
         return;
     }
-    probe.beta = lanes_mul(path->beta, lanes_scale(scattered, 1 / pdf_w));
+    probe.beta = lanes_mul(path->beta, lanes_scale(way->scattered, 1 / way->pdf_w));
     probe.radiance = lanes_all(0);
     probe.scatter_pdf = -1;
     probe.from.rarity = 0;
     probe.looks = false;
     probe.decision = (Decision){.left = 0};
-    probe.probing =
-        (PathProbing){.guide = *guide, .direction = direction, .density = pdf_w, .part = -1, .is_probe = true};
+    probe.probing = (PathProbing){
+        .guide = *guide, .direction = way->direction, .density = way->pdf_w, .part = -1, .is_probe = true};
     probe.bounce += FIRST_BOUNCE;
     probe.n_counted += event != NULL;
     prober->counters = tracer->counters;
@@ -107,7 +106,7 @@ void path_send_probe(Path *path, const GuideAt *guide, Event *event, const Surfa
     path_follow(&probe);
     if (UNLIKELY(tracer->ledger))
         guide_note(tracer->ledger, guide, GUIDE_SENT, (float)(prober->counters.rays - rays),
-                   lanes_mean(scattered) * SAMPLING_PI);
+                   lanes_mean(way->scattered) * SAMPLING_PI);
     tracer->counters = prober->counters;
     tracer->out_of_memory |= prober->out_of_memory;
     path->radiance = lanes_add(path->radiance, probe.radiance);

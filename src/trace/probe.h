@@ -34,11 +34,15 @@ static inline void path_is_guided(Path *path, const GuideAt *guide)
 }
 /* Whether a probe is to be sent out from there, and whereto. */
 bool path_ask_guide(Path *path, const GuideAt *guide, Vec3f *direction);
-/* Sends it, from the event's surfaces (through them, or back) or from a place in a medium (event NULL; the place is apart).
- * scattered: what is scattered from there, times the cosine; pdf_w: the density of the path's own choice, as a mean of the
- * wavelengths. */
-void path_send_probe(Path *path, const GuideAt *guide, Event *event, const SurfacePlace *place, bool through,
-                     Vec3f direction, Lanes scattered, float pdf_w);
+/* Where a probe is sent, and what is scattered there. */
+typedef struct ProbeWay {
+    Vec3f direction; /* unit */
+    bool through;    /* the event's surfaces; else back from them */
+    Lanes scattered; /* from that direction towards the path, times the cosine */
+    float pdf_w;     /* per steradian, the density of it by the path's own choice, as a mean of the wavelengths */
+} ProbeWay;
+/* Sends it, from the event's surfaces or from a place in a medium (event NULL; the place is apart). */
+void path_send_probe(Path *path, const GuideAt *guide, Event *event, const SurfacePlace *place, const ProbeWay *way);
 /* The path goes on from a place where it was scattered, in a direction of that density. */
 static inline void path_leave_guide(Path *path, const GuideAt *guide, Vec3f direction, float pdf_w)
 {

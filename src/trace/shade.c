@@ -121,8 +121,7 @@ void path_choose_light(const Path *path, const LightChoices *choices, Vec3 from,
         *light = (LightSample){.pdf_w = 0};
         return;
     }
-    LightQuery query = {
-        .from = from, .normal = normal, .time = path->ray.time, .wavelength_nm = path->wavelengths.nm};
+    LightQuery query = {.from = from, .normal = normal, .time = path->ray.time, .wavelength_nm = path->wavelengths.nm};
     if (choices->one)
         sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_LIGHT), query.u);
     else
@@ -217,7 +216,8 @@ void path_scatter_in_medium(Path *path, const Event *event)
     if (UNLIKELY(path_ask_guide(path, &guide, &direction))) {
         Lanes pdf = phase_evaluate(phase, along, direction, path->wavelengths.nm);
         const SurfacePlace place = {.position = position, .apart = true};
-        path_send_probe(path, &guide, NULL, &place, false, direction, pdf, path_phase_density(path, phase, pdf));
+        const ProbeWay way = {direction, false, pdf, path_phase_density(path, phase, pdf)};
+        path_send_probe(path, &guide, NULL, &place, &way);
     }
     Lanes pdf;
     direction = phase_sample(phase, along, u, path->wavelengths.nm, &pdf);
@@ -338,7 +338,7 @@ bool path_shade_opaque(Path *path, Event *event)
     GuideAt guide = path_guide(path, ray_point(&path->ray, event->hit.t), false);
     if (UNLIKELY(path_ask_guide(path, &guide, &direction)) && vec3f_dot(direction, place.geometric) > 0) {
         float pdf_w = diffuse_pdf(&place, direction);
-        path_send_probe(path, &guide, event, &place, false, direction, lanes_scale(albedo, pdf_w), pdf_w);
+        path_send_probe(path, &guide, event, &place, &(ProbeWay){direction, false, lanes_scale(albedo, pdf_w), pdf_w});
     }
     direction = sampling_cosine_hemisphere(u[0], u[1], place.normal, &path->scatter_pdf);
     if (!(vec3f_dot(direction, place.geometric) > 0)) direction = path_mirror(&place, direction);

@@ -116,7 +116,7 @@ static void send_probe(Path *path, const GuideAt *guide, Event *event, const Bsd
     bool through = vec3f_dot(direction, place->geometric) < 0;
     evaluate(bsdf, place, frame, view, direction, &f_cos, &pdf_w);
     if (lanes_zero(f_cos) || (through && event->kind == EVENT_OPAQUE && !cross_opaque(path, event))) return;
-    path_send_probe(path, guide, event, place, through, direction, f_cos, path_mean_density(path, pdf_w));
+    path_send_probe(path, guide, event, place, &(ProbeWay){direction, through, f_cos, path_mean_density(path, pdf_w)});
 }
 
 static bool scatter(Path *path, Event *event, Bsdf *bsdf, const SurfacePlace *place, const Frame *frame, bool *straight)

@@ -63,11 +63,12 @@ typedef struct ShaftPlace {
 
 /* Of several media at the place one is chosen, each as often; *which: uniform in [0, 1), and what that leaves of it. False: nothing
  * scatters there. */
-static bool look_at_place(Path *path, uint32_t medium, bool uneven, double t, double *which, ShaftPlace *place)
+static bool look_at_place(Path *path, const FlightStretch *stretch, double t, double *which, ShaftPlace *place)
 {
+    const uint32_t medium = stretch->medium;
     Tracer *tracer = path->tracer;
     Airway *way = &path->way;
-    if (!uneven) {
+    if (!stretch->uneven) {
         const SceneMedium *m = &tracer->world->scene->media[medium];
         place->phase = &m->phase;
         way->n_media = 1;
@@ -96,10 +97,17 @@ static float look_density(const Path *path, const Airway *way, const GuideCell *
     return way->shaft * cell->looks * part / (float)way->n_media;
 }
 
+/* One of the looks on a stretch. */
+typedef struct ShaftLook {
+    uint32_t number; /* of all of the path's, for its random numbers */
+    GuideAt at;      /* the cell that was chosen, and */
+    double t;        /* the place there */
+} ShaftLook;
+
 /* The path becomes as if it had been scattered at the place, a probe is sent, and it becomes what it was. */
-static void send_from(Path *path, const FreeFlight *flight, const ShaftPlace *place, GuideAt *guide, double t,
-                      Vec3f direction, uint32_t number)
+static void send_from(Path *path, const FreeFlight *flight, const ShaftPlace *place, ShaftLook *look, Vec3f direction)
 {
+    GuideAt *guide = &look->at;
     enum { LOOKS = 1 << 21 }; /* its random numbers are not those of the path's own events and probes */
     const Lanes beta = path->beta, ratio = path->ratio;
     const uint32_t bounce = path->bounce;
@@ -109,13 +117,14 @@ static void send_from(Path *path, const FreeFlight *flight, const ShaftPlace *pl
     path->beta = lanes_mul(path->beta, lanes_mul(flight_lane_factor(flight), arrived));
     path->beta = lanes_mul(path->beta, lanes_scale(place->coefficient, 1 / density));
     path->ratio = path->way.ratio;
-    path->bounce = LOOKS + number;
+    path->bounce = LOOKS + look->number;
     guide->sent *= path_probe_part(path, &path->way, true); /* by flights that are scattered there */
     guide->share = guide->sent + look_density(path, &path->way, guide->cell) / density;
     Lanes pdf = phase_evaluate(place->phase, path->ray.direction, direction, path->wavelengths.nm);
-    float mean = airlight_turn_density(&path->way, place->phase, place->coefficient, place->depth, pdf);
-    const SurfacePlace from = {.position = ray_point(&path->ray, t), .apart = true};
-    path_send_probe(path, guide, NULL, &from, false, direction, pdf, mean);
+    const ProbeWay way = {direction, false, pdf,
+                          airlight_turn_density(&path->way, place->phase, place->coefficient, place->depth, pdf)};
+    const SurfacePlace from = {.position = ray_point(&path->ray, look->t), .apart = true};
+    path_send_probe(path, guide, NULL, &from, &way);
     path->beta = beta;
     path->ratio = ratio;
     path->bounce = bounce;
@@ -131,39 +140,38 @@ static Shaft walk_along(const Path *path, Airway *way, double u)
     return shaft;
 }
 
-/* Chooses a cell of the stretch, and a place there; false: there is none. Sets what all cells scatter there. */
-static bool choose_place(const Path *path, Airway *way, double u, float v, GuideAt *at, double *t, double *all)
+/* Chooses a cell of the stretch by u, and a place there by v; false: there is none. Sets what all cells scatter there. */
+static bool choose_place(const Path *path, Airway *way, double u, float v, ShaftLook *look, double *all)
 {
     Shaft shaft = walk_along(path, way, u);
     *all = shaft.all;
     if (!(shaft.all > 0)) return false;
-    *t = airlight_off_ends(path, shaft.begin + (double)v * (shaft.end - shaft.begin));
-    *at = guide_find(path->tracer->world->guide, ray_point(&path->ray, *t), path->color);
-    return at->cell == shaft.cell; /* but for rounding */
+    look->t = airlight_off_ends(path, shaft.begin + (double)v * (shaft.end - shaft.begin));
+    look->at = guide_find(path->tracer->world->guide, ray_point(&path->ray, look->t), path->color);
+    return look->at.cell == shaft.cell; /* but for rounding */
 }
 
-/* One look; tries: of how many on the stretch. */
-static void look_once(Path *path, const FreeFlight *flight, uint32_t medium, bool uneven, uint32_t number,
-                      uint32_t tries, float part, GuideAt *at, double t, float u)
+/* Takes one look, as often as that says; u: uniform in [0, 1). */
+static void look_once(Path *path, const FlightStretch *stretch, ShaftLook *look, float often, float u)
 {
     Tracer *tracer = path->tracer;
-    float v[2], often = at->cell->looks * part / (float)tries;
     if (u >= often) return;
     double rest = (double)u / (double)often;
+    float v[2];
     ShaftPlace place;
-    sampler_2d(&path->sampler, DIM_SHAFTS + 2 * number + 1, v);
-    if (!look_at_place(path, medium, uneven, t, &rest, &place)) return;
-    path_is_guided(path, at);
-    Vec3f direction = guide_sample(at, float_min((float)rest, 0x1.fffffep-1f), v);
-    if (!path_turn_aside(tracer, &t)) {
+    sampler_2d(&path->sampler, DIM_SHAFTS + 2 * look->number + 1, v);
+    if (!look_at_place(path, stretch, look->t, &rest, &place)) return;
+    path_is_guided(path, &look->at);
+    Vec3f direction = guide_sample(&look->at, float_min((float)rest, 0x1.fffffep-1f), v);
+    if (!path_turn_aside(tracer, &look->t)) {
         tracer->out_of_memory = true;
         return;
     }
-    send_from(path, flight, &place, at, t, direction, number);
+    send_from(path, stretch->flight, &place, look, direction);
     path_turn_back(tracer);
 }
 
-void shaft_look(Path *path, const FreeFlight *flight, uint32_t medium, bool uneven, uint32_t stretch)
+void shaft_look(Path *path, const FlightStretch *stretch)
 {
     Tracer *tracer = path->tracer;
     Airway *way = &path->way;
@@ -174,11 +182,10 @@ void shaft_look(Path *path, const FreeFlight *flight, uint32_t medium, bool unev
     way->shaft = part;
     way->shaft_all = -1;
     for (uint32_t i = 0, tries = 1; i < tries; i++) {
-        uint32_t number = MOST_TRIES * airlight_stretch(path, stretch) + i;
-        double which = (double)sampler_3d(&path->sampler, DIM_SHAFTS + 2 * number, u) * 0x1p-32, t, all;
+        ShaftLook look = {.number = MOST_TRIES * airlight_stretch(path, stretch->number) + i};
+        double which = (double)sampler_3d(&path->sampler, DIM_SHAFTS + 2 * look.number, u) * 0x1p-32, all;
         if (i == 0 && LIKELY(!tracer->ledger) && u[1] >= most * part) return; /* by then there is one try */
-        GuideAt at;
-        bool found = choose_place(path, way, which, u[0], &at, &t, &all);
+        bool found = choose_place(path, way, which, u[0], &look, &all);
         if (!(all > 0)) return;
         if (i == 0) {
             part *= (float)(all / way->shaft_all);
@@ -186,8 +193,8 @@ void shaft_look(Path *path, const FreeFlight *flight, uint32_t medium, bool unev
         }
         if (!found) continue;
         if (UNLIKELY(tracer->ledger) && !path->again)
-            guide_note(tracer->ledger, &at, GUIDE_LOOK, part / (float)tries, (float)all);
-        look_once(path, flight, medium, uneven, number, tries, part, &at, t, u[1]);
+            guide_note(tracer->ledger, &look.at, GUIDE_LOOK, part / (float)tries, (float)all);
+        look_once(path, stretch, &look, look.at.cell->looks * part / (float)tries, u[1]);
     }
 }
 

@@ -24,9 +24,8 @@
 
 #include "trace/flight.h"
 
-/* Looks on the stretch path->way, of which all but its share is set; number: of the stretches of this flight. Keeps in path->way
- * what weights need. */
-void shaft_look(Path *path, const FreeFlight *flight, uint32_t medium, bool uneven, uint32_t number);
+/* Looks on the stretch, which is path->way, of which all but its share is set. Keeps in path->way what weights need. */
+void shaft_look(Path *path, const FlightStretch *stretch);
 /* How often looks find a place of the guide where a flight was scattered last, over how often flights do. */
 float shaft_rival(Path *path, const GuideAt *guide);
 
