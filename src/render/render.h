@@ -79,7 +79,7 @@ typedef struct RenderStats {
 typedef struct RenderEvents {
     void *context;
     void (*progress)(void *context, const RenderProgress *progress); /* some times a second; may be NULL */
-    const volatile sig_atomic_t *stop; /* not NULL and not 0: finish the tile, then return; may be NULL */
+    const volatile sig_atomic_t *stop; /* not NULL and not 0: finish the pixel, then return; may be NULL */
     /* The picture so far, with channels R G B A: at first of every fourth, then of every second pixel each way, with what is
      * between filled in, then between passes, about once a second, and at the end. On the calling thread, while the others
      * wait. May be NULL; what is rendered does not depend on it. */
@@ -122,10 +122,11 @@ ATTR_NODISCARD Status render_state_resolve(const RenderState *state, Pool *pool,
  * width x height (outside of a crop 0). Same bits for any number of threads. STATUS_RENDER, STATUS_NOMEM. */
 ATTR_NODISCARD Status render_image(const CompiledScene *compiled, const RenderSettings *settings, Pool *pool,
                                    const RenderEvents *events, Image *image, RenderStats *stats, Error *error);
-/* The same, and *state is what it came to. When it has a film on entry, of the same scene and settings (only the number of
- * samples, the noise and the time limit may be others), the render goes on from there, with the guide that it had. It is clear, or good for as much, in any
- * case; with no sample in its film where a stop came too early. Where the time limit of a repeatable render ends amid the search for
- * caustics, its last fifth goes to samples without these, for *image alone; a slice has none. */
+/* The same, and *state is what it came to: {0} on entry, or a state of the same scene and settings (only the number of samples, the
+ * noise and the time limit may be others), from which the render goes on, with the guide that it had. On success *state can be
+ * gone on from again; where a stop came before its first sample, say amid the search for caustics, its film has none. After a
+ * failure nothing in it can be relied on. Either way it is the caller's to clear. Where the time limit of a repeatable render ends
+ * amid the search for caustics, its last fifth goes to samples without these, for *image alone; a slice has none. */
 ATTR_NODISCARD Status render_go_on(const CompiledScene *compiled, const RenderSettings *settings, Pool *pool,
                                    const RenderEvents *events, RenderState *state, Image *image, RenderStats *stats,
                                    Error *error);

@@ -65,7 +65,8 @@ bool path_cross(Tracer *tracer, NestList *list, const Hit *hits, size_t n, NestC
 /* tracer->next becomes the list behind the event's surfaces, from tracer->list on; false when memory ends. */
 bool path_cross_into_next(Tracer *tracer, const Event *event);
 /* Follows the path's ray through silent crossings to its next event. Absorption goes into beta. At a boundary
- * tracer->list is the list before it and tracer->next the one behind it. */
+ * tracer->list is the list before it; event->behind says what leads to the one behind it, and path_go_behind and path_copy_behind
+ * make that. */
 void path_next_event(Path *path, Event *event);
 /* The list of a ray that starts at several surfaces which stand at one place but are not parallel, say where two
  * hulls' surfaces cross: each of them is crossed, or not, by where the ray starts and goes. */

@@ -62,7 +62,7 @@ static void sample_distant(const SceneLight *light, const float u[2], LightSampl
                             .pdf_w = sampling_cone_pdf((float)cone)};
 }
 
-/* Towards a place of a surface; `across`: its unit normal there, or against it where that side shines as well. */
+/* Towards a place of a surface of that area; normal: of length 1, on the side that shines, or with two_sided on either. */
 static void sample_place(Vec3 from, Vec3 place, Vec3 normal, bool two_sided, double area, LightSample *sample)
 {
     Vec3 to = vec3_sub(place, from);

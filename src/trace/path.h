@@ -136,7 +136,7 @@ typedef struct FilmSample {
 
 /* Radiance and coverage of one sample of a pixel. rgb: linear working space; alpha: 1 - what would come through of a picture behind
  * this one: 1 where an environment is seen, and anything that does not let light straight on; 0 where nothing is. Where chance decides
- * what a path meets, only its mean is between 0 and 1. Faults of this path are added to *faults (may be NULL). */
+ * what a path meets, only its mean is between 0 and 1. What the path did and its faults are added to tracer->counters. */
 void trace_sample(Tracer *tracer, const FilmSample *sample, float rgb[3], float *alpha);
 
 /* Half of a pixel, as large as pixels are in the middle: where its ray starts, and how much more it is for each unit of the way. */
