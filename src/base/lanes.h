@@ -149,10 +149,6 @@ static inline bool lanes_zero(Lanes a)
 {
     return lanes_equal(a, lanes_all(0));
 }
-static inline bool lanes_finite(Lanes a)
-{
-    return isfinite(a.v[0]) && isfinite(a.v[1]) && isfinite(a.v[2]) && isfinite(a.v[3]);
-}
 static inline Lanes lanes_sqrt(Lanes a)
 {
 #if defined(LANES_SSE)

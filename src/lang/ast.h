@@ -120,7 +120,6 @@ struct Expr {
         struct {
             Expr *a, *b, *c; /* operands; of a range: first, last, step or NULL */
             bool open;       /* of a range: ..< */
-            Span operator_span;
         } op;
         struct {
             Expr **items;

@@ -38,12 +38,11 @@ static double in_scene_units(const Parser *parser, double number, const UnitType
     return !unit || unit->size == own ? number : unit_value(lexer->text + begin, lexer->length - begin, unit, own);
 }
 
-static Expr *binary_expr(Parser *parser, ExprKind kind, Expr *a, Span operator_span, Expr *b)
+static Expr *binary_expr(Parser *parser, ExprKind kind, Expr *a, Expr *b)
 {
     Expr *expr = expr_new(parser, kind, span_from(parser, a->span));
     expr->as.op.a = a;
     expr->as.op.b = b;
-    expr->as.op.operator_span = operator_span;
     return expr;
 }
 
@@ -560,14 +559,12 @@ Expr *parse_unary(Parser *parser)
         } else {
             expr = expr_new(parser, kind == TOKEN_MINUS ? EXPR_NEGATE : EXPR_PLUS, begin);
             expr->as.op.a = operand;
-            expr->as.op.operator_span = begin;
         }
         expr->span = span_from(parser, begin);
     } else {
         expr = parse_post(parser);
-        Span operator_span = token_span(parser);
         if (consume_if(parser, TOKEN_CARET))
-            expr = binary_expr(parser, EXPR_POWER, expr, operator_span, parse_unary(parser));
+            expr = binary_expr(parser, EXPR_POWER, expr, parse_unary(parser));
     }
     leave(parser);
     return expr;
@@ -588,7 +585,6 @@ static Expr *parse_mul(Parser *parser)
     for (int links = 0; !parser->panic; links++) {
         if (parse_percent_habit(parser, expr) || parse_operator_habit(parser, expr->span)) continue;
         TokenKind kind = parser->token.kind;
-        Span operator_span = token_span(parser);
         if (kind != TOKEN_STAR && kind != TOKEN_SLASH && kind != TOKEN_PERCENT) break;
         if (chain_too_long(parser, links)) break;
         consume(parser);
@@ -602,7 +598,7 @@ static Expr *parse_mul(Parser *parser)
                            kind == TOKEN_STAR    ? EXPR_MULTIPLY
                            : kind == TOKEN_SLASH ? EXPR_DIVIDE
                                                  : EXPR_MODULO,
-                           expr, operator_span, parse_unary(parser));
+                           expr, parse_unary(parser));
         expr->span = span_from(parser, expr->as.op.a->span);
     }
     return expr;
@@ -614,12 +610,10 @@ Expr *parse_add(Parser *parser)
     Expr *expr = parse_mul(parser);
     for (int links = 0; !parser->panic; links++) {
         TokenKind kind = parser->token.kind;
-        Span operator_span = token_span(parser);
         if (kind != TOKEN_PLUS && kind != TOKEN_MINUS) break;
         if (chain_too_long(parser, links)) break;
         consume(parser);
-        expr =
-            binary_expr(parser, kind == TOKEN_PLUS ? EXPR_ADD : EXPR_SUBTRACT, expr, operator_span, parse_mul(parser));
+        expr = binary_expr(parser, kind == TOKEN_PLUS ? EXPR_ADD : EXPR_SUBTRACT, expr, parse_mul(parser));
         expr->span = span_from(parser, expr->as.op.a->span);
     }
     return expr;
@@ -647,7 +641,6 @@ static Expr *parse_not(Parser *parser)
         consume(parser);
         Expr *expr = expr_new(parser, EXPR_NOT, begin);
         expr->as.op.a = parse_not(parser);
-        expr->as.op.operator_span = begin;
         expr->span = span_from(parser, begin);
         leave(parser);
         return expr;
@@ -655,7 +648,6 @@ static Expr *parse_not(Parser *parser)
     Expr *expr = parse_add(parser);
     ExprKind kind, second;
     if (parser->panic || !comparison_kind(parser->token.kind, &kind)) return expr;
-    Span operator_span = token_span(parser);
     consume(parser);
     if (kind == EXPR_LESS && parser->token.kind == TOKEN_GREATER) {
         Diagnostic *report = expected_error(parser, "an expression");
@@ -664,7 +656,7 @@ static Expr *parse_not(Parser *parser)
         consume(parser);
     }
     Expr *b = parse_add(parser);
-    expr = binary_expr(parser, kind, expr, operator_span, b);
+    expr = binary_expr(parser, kind, expr, b);
     if (!parser->panic && comparison_kind(parser->token.kind, &second)) {
         Diagnostic *report = syntax_error(parser, token_span(parser), "comparisons do not chain");
         if (report) diag_hint(parser->diag, report, "write a < b and b < c");
@@ -677,9 +669,8 @@ static Expr *parse_and(Parser *parser)
 {
     Expr *expr = parse_not(parser);
     for (int links = 0; !parser->panic && parser->token.kind == TOKEN_AND && !chain_too_long(parser, links); links++) {
-        Span operator_span = token_span(parser);
         consume(parser);
-        expr = binary_expr(parser, EXPR_AND, expr, operator_span, parse_not(parser));
+        expr = binary_expr(parser, EXPR_AND, expr, parse_not(parser));
     }
     return expr;
 }
@@ -689,9 +680,8 @@ static Expr *parse_or(Parser *parser)
 {
     Expr *expr = parse_and(parser);
     for (int links = 0; !parser->panic && parser->token.kind == TOKEN_OR && !chain_too_long(parser, links); links++) {
-        Span operator_span = token_span(parser);
         consume(parser);
-        expr = binary_expr(parser, EXPR_OR, expr, operator_span, parse_and(parser));
+        expr = binary_expr(parser, EXPR_OR, expr, parse_and(parser));
     }
     return expr;
 }
@@ -743,10 +733,9 @@ Expr *parse_expr(Parser *parser)
     Expr *first = parse_tern(parser);
     bool open = parser->token.kind == TOKEN_RANGE_OPEN;
     if (parser->panic || (!open && parser->token.kind != TOKEN_RANGE)) return first;
-    Span operator_span = token_span(parser);
     if (!open) parse_three_points(parser, first);
     consume(parser);
-    Expr *expr = binary_expr(parser, EXPR_RANGE, first, operator_span, parse_tern(parser));
+    Expr *expr = binary_expr(parser, EXPR_RANGE, first, parse_tern(parser));
     expr->as.op.open = open;
     if (consume_if(parser, TOKEN_BY)) expr->as.op.c = parse_tern(parser);
     expr->span = span_from(parser, first->span);

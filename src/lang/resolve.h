@@ -63,7 +63,6 @@ typedef struct Resolver {
     NodeExpr *context_node;       /* CONTEXT_NODE: the node around the statement */
     const PropType *word_prop;    /* the property whose value is resolved, where it takes words of a choice; else NULL */
     const Stmt *call;       /* the call of a macro in whose block it is; NULL: in none */
-    const Def *context_def;       /* CONTEXT_MACRO */
     Symbol **defaults;      /* by row of the schema: the name of the slot of a type's defaults; NULL until there are any */
     const struct EvalLibrary *library; /* files of the program, for hints; NULL: none */
     bool warns_unused;      /* of names at the top of the present file */

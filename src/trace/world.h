@@ -84,9 +84,8 @@ typedef struct World {
     bool seeks_airlight;       /* and light that it scatters is looked for, see airlight.h */
     bool no_absorption;
     Trial trial;
-    bool has_panes;   /* thin sheets that rays towards lights go through */
-    bool has_paint;   /* boundaries that can be seen between media of one index */
-    bool white_noise; /* pixels do not share out the work: for comparisons */
+    bool has_panes; /* thin sheets that rays towards lights go through */
+    bool has_paint; /* boundaries that can be seen between media of one index */
     uint32_t max_bounces;
     Box3 *mesh_boxes; /* of each shape that is a mesh without coordinates, for texture_uv; NULL: they were not asked for */
     WavelengthLines *lines;   /* NULL: no light is one */

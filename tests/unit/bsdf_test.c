@@ -6,6 +6,7 @@
 #include <time.h>
 
 #include "bsdf_cases.h"
+#include "lanes_finite.h"
 #include "optics/balance.h"
 
 static const float view_cosines[] = {0.95f, 0.5f, 0.12f};

@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "base/hash.h"
+#include "lanes_finite.h"
 #include "optics/texture.h"
 
 static const double pi = 3.14159265358979323846;
