@@ -32,11 +32,6 @@ Status gltf_fail(const Gltf *gltf, const char *format, ...)
     return fail(gltf->error, STATUS_INPUT, "'%s': %s", gltf->path, text);
 }
 
-static uint32_t load_u32(const unsigned char *b)
-{
-    return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
-}
-
 /* ---- JSON ---- */
 
 /* The number under the key: `missing` without one; STATUS_INPUT unless it is whole and 0 .. 2^53. */
@@ -220,14 +215,14 @@ static Status load_buffers(Gltf *gltf, const unsigned char *binary, size_t binar
 static Status open_binary(Gltf *gltf)
 {
     const unsigned char *bytes = (const unsigned char *)gltf->file, *binary = NULL;
-    size_t binary_length = 0, length = load_u32(bytes + 8), at = GLB_HEADER;
-    if (load_u32(bytes + 4) != 2)
-        return gltf_fail(gltf, "it is of version %lu of GLB; 2 can be read", (unsigned long)load_u32(bytes + 4));
+    size_t binary_length = 0, length = load_le32(bytes + 8), at = GLB_HEADER;
+    if (load_le32(bytes + 4) != 2)
+        return gltf_fail(gltf, "it is of version %lu of GLB; 2 can be read", (unsigned long)load_le32(bytes + 4));
     if (length > gltf->file_length)
         return gltf_fail(gltf, "it should have %zu bytes and has %zu", length, gltf->file_length);
     for (int chunk = 0; at + GLB_CHUNK_HEADER <= length; chunk++) {
-        size_t n = load_u32(bytes + at);
-        uint32_t kind = load_u32(bytes + at + 4);
+        size_t n = load_le32(bytes + at);
+        uint32_t kind = load_le32(bytes + at + 4);
         at += GLB_CHUNK_HEADER;
         if (n > length - at)
             return gltf_fail(gltf, "its chunk %d should have %zu bytes, and there are %zu", chunk, n, length - at);
@@ -325,9 +320,9 @@ static double component(const Items *items, size_t item, int k)
     case 5121: value = b[0]; break;
     case 5122: value = (int16_t)(b[0] | b[1] << 8); break;
     case 5123: value = b[0] | b[1] << 8; break;
-    case 5125: return (double)load_u32(b);
+    case 5125: return (double)load_le32(b);
     default:
-        bits = load_u32(b);
+        bits = load_le32(b);
         memcpy(&real, &bits, sizeof real);
         return (double)real;
     }

@@ -20,7 +20,14 @@ static const struct {
     {"gltf", mesh_load_gltf}, {"glb", mesh_load_gltf},
 };
 
-enum { LONGEST_NAME = 255, MOST_NAMES_SHOWN = 8, MOST_MATERIALS = 4096 };
+enum { LONGEST_NAME = 255, MOST_NAMES_SHOWN = 8, MOST_MATERIALS = 4096, MOST_BYTES_SHOWN = 20 };
+
+int mesh_text_shown(const char *at, const char *end)
+{
+    int shown = 0;
+    while (shown < MOST_BYTES_SHOWN && at + shown < end && (unsigned char)at[shown] > ' ' && at[shown] != 0x7f) shown++;
+    return shown;
+}
 
 bool mesh_has_reader(const char *extension)
 {

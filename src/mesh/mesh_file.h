@@ -49,7 +49,16 @@ ATTR_NODISCARD Status mesh_load_stl(const char *path, MeshSource *source, Mesh *
 /* glTF 2.0, .gltf and .glb: see gltf.c. The unit is the metre. Parts: nodes (with what is below), meshes, materials. */
 ATTR_NODISCARD Status mesh_load_gltf(const char *path, MeshSource *source, Mesh **mesh, Error *error);
 
-/* For readers. The number of the part, new or known; UINT32_MAX when memory ends. The name is cut at 255 bytes. */
+/* For readers. How many bytes of a text to quote that stand where something else should: up to the end of the word, but not all
+ * of a long one. 0: there is a blank, or the end. */
+int mesh_text_shown(const char *at, const char *end);
+/* A number of four bytes, the lowest first, on every machine. */
+static inline uint32_t load_le32(const void *at)
+{
+    const unsigned char *b = at;
+    return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
+}
+/* The number of the part, new or known; UINT32_MAX when memory ends. The name is cut at 255 bytes. */
 uint32_t mesh_source_part(MeshSource *source, const char *kind, const char *name, size_t length);
 /* A material that is new, and what it is said to be; NULL, where memory ended, and "" are passed over. Takes the text over. */
 void mesh_source_material(MeshSource *source, const char *name, size_t length, char *said);

@@ -82,8 +82,7 @@ static void skip_line(Obj *obj)
 
 static Status bad_word(const Obj *obj, const char *wanted)
 {
-    int shown = 0;
-    while (shown < 20 && obj->at + shown < obj->end && (unsigned char)obj->at[shown] > ' ' && obj->at[shown] != 0x7f) shown++;
+    int shown = mesh_text_shown(obj->at, obj->end);
     if (shown == 0)
         return fail(obj->error, STATUS_INPUT, "'%s':%u: the line ends where %s should be", obj->path, obj->line, wanted);
     return fail(obj->error, STATUS_INPUT, "'%s':%u: '%.*s' stands where %s should be", obj->path, obj->line, shown, obj->at,

@@ -313,8 +313,7 @@ static Status text_value(Ply *ply, const PlyElement *element, uint64_t index, do
     size_t n = num_parse(ply->at, (size_t)(ply->end - ply->at), value);
     const char *behind = ply->at + n;
     if (n == 0 || (behind < ply->end && (unsigned char)*behind > ' ')) {
-        int shown = 0;
-        while (shown < 20 && ply->at + shown < ply->end && (unsigned char)ply->at[shown] > ' ' && ply->at[shown] != 0x7f) shown++;
+        int shown = mesh_text_shown(ply->at, ply->end);
         return fail(ply->error, STATUS_INPUT, "'%s': %s %llu of %llu has '%.*s' where a number should be", ply->path,
                     element->name, (unsigned long long)index, (unsigned long long)element->count, shown, ply->at);
     }

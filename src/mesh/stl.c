@@ -33,15 +33,9 @@ typedef struct Stl {
     size_t n_corners, capacity;
 } Stl;
 
-static uint32_t load_u32(const char *at)
-{
-    const unsigned char *b = (const unsigned char *)at;
-    return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
-}
-
 static float load_float(const char *at)
 {
-    uint32_t bits = load_u32(at);
+    uint32_t bits = load_le32(at);
     float x;
     memcpy(&x, &bits, sizeof x);
     return x;
@@ -112,9 +106,7 @@ static Status unexpected(Stl *stl, const char *wanted)
     if (stl->at == stl->end)
         return fail(stl->error, STATUS_INPUT, "'%s':%u: the file ends where %s should be", stl->path, stl->line,
                     wanted);
-    int shown = 0;
-    while (shown < 20 && stl->at + shown < stl->end && (unsigned char)stl->at[shown] > ' ' && stl->at[shown] != 0x7f)
-        shown++;
+    int shown = mesh_text_shown(stl->at, stl->end);
     return fail(stl->error, STATUS_INPUT, "'%s':%u: '%.*s' stands where %s should be", stl->path, stl->line, shown,
                 stl->at, wanted);
 }
@@ -209,7 +201,7 @@ Status mesh_load_stl(const char *path, MeshSource *source, Mesh **mesh, Error *e
     TRY(file_read(path, 0, &bytes, &length, error));
     Stl stl = {.path = path, .source = source, .error = error, .at = bytes, .end = bytes + length, .solid = UINT32_MAX};
     bool has_count = length >= HEADER_BYTES + COUNT_BYTES;
-    uint32_t n = has_count ? load_u32(bytes + HEADER_BYTES) : 0;
+    uint32_t n = has_count ? load_le32(bytes + HEADER_BYTES) : 0;
     bool exact = has_count && length == HEADER_BYTES + COUNT_BYTES + (uint64_t)FACET_BYTES * n;
     Status status;
     if (!exact && looks_like_text(&stl))
