@@ -8,7 +8,6 @@
 #include "base/attr.h"
 #include "base/hash.h"
 #include "base/num.h"
-#include "base/utf8.h"
 
 static void test_reads(void **state)
 {
@@ -145,47 +144,12 @@ static void test_floats(void **state)
     }
 }
 
-static void test_utf8(void **state)
-{
-    static const struct {
-        const char *text;
-        size_t length, taken;
-        uint32_t code;
-    } cases[] = {
-        {"a", 1, 1, 'a'},
-        {"\xc3\xa9", 2, 2, 0xe9},
-        {"\xe2\x82\xac", 3, 3, 0x20ac},
-        {"\xf0\x9f\x8d\xb8", 4, 4, 0x1f378},
-        {"\xc3\xa9", 1, 1, UTF8_INVALID},
-        {"\xc0\x80", 2, 1, UTF8_INVALID},         /* overlong */
-        {"\xed\xa0\x80", 3, 1, UTF8_INVALID},     /* a surrogate */
-        {"\xf4\x90\x80\x80", 4, 1, UTF8_INVALID}, /* beyond the last */
-        {"\x80", 1, 1, UTF8_INVALID},
-    };
-    (void)state;
-    for (size_t i = 0; i < COUNT_OF(cases); i++) {
-        uint32_t code;
-        char bytes[4];
-        assert_int_equal(utf8_decode(cases[i].text, cases[i].length, &code), cases[i].taken);
-        assert_int_equal(code, cases[i].code);
-        if (code == UTF8_INVALID) continue;
-        assert_int_equal(utf8_encode(code, bytes), cases[i].taken);
-        assert_memory_equal(bytes, cases[i].text, cases[i].taken);
-    }
-    assert_int_equal(utf8_width('a'), 1);
-    assert_int_equal(utf8_width(0xe9), 1);
-    assert_int_equal(utf8_width(0x301), 0);
-    assert_int_equal(utf8_width(0x65e5), 2);
-    assert_int_equal(utf8_width(0x1f378), 2);
-    assert_int_equal(utf8_width(0x200b), 0);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_reads),    cmocka_unit_test(test_prints), cmocka_unit_test(test_random),
         cmocka_unit_test(test_shortest), cmocka_unit_test(test_prints_rounded),
-        cmocka_unit_test(test_floats),   cmocka_unit_test(test_utf8),
+        cmocka_unit_test(test_floats),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
