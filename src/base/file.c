@@ -194,8 +194,7 @@ static Status cannot_write(Error *error, const char *path, int reason)
 /* Devices, pipes and standard output have no name to be renamed to. */
 static bool is_plain(const char *path)
 {
-    struct stat info;
-    return strcmp(path, "-") == 0 || (stat(path, &info) == 0 && !S_ISREG(info.st_mode) && !S_ISDIR(info.st_mode));
+    return strcmp(path, "-") == 0 || file_kind(path) == FILE_OTHER;
 }
 
 static char *copy_of(const char *text)

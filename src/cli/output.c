@@ -48,15 +48,9 @@ char *output_numbered(const char *name, uint32_t last_frame)
     return out.text;
 }
 
-static bool is_device(const char *path)
-{
-    struct stat info;
-    return stat(path, &info) == 0 && !S_ISREG(info.st_mode) && !S_ISDIR(info.st_mode);
-}
-
 bool output_is_stream(const char *path)
 {
-    return strcmp(path, "-") == 0 || is_device(path);
+    return strcmp(path, "-") == 0 || file_kind(path) == FILE_OTHER;
 }
 
 Status output_check_name(const char *path, Error *error)
@@ -166,7 +160,7 @@ Status output_probe(const char *path, Error *error)
     if (file_was_read(path))
         return fail(error, STATUS_USAGE,
                     "'%s' is not written over: it was read for this. Give what is written another name", path);
-    if (is_device(path)) { /* opening a pipe would wait for its reader */
+    if (file_kind(path) == FILE_OTHER) { /* opening a pipe would wait for its reader */
         if (access(path, W_OK) == 0) return STATUS_OK;
         return fail(error, STATUS_OUTPUT, "cannot write '%s': %s", path, strerror(errno));
     }
@@ -198,7 +192,7 @@ bool outputs_exist(const OutputList *list)
 {
     if (list->n == 0) return false;
     for (size_t i = 0; i < list->n; i++)
-        if (is_device(list->items[i].path) || !file_exists(list->items[i].path)) return false;
+        if (file_kind(list->items[i].path) != FILE_REGULAR) return false;
     return true;
 }
 

@@ -178,10 +178,7 @@ bool path_turn_aside(Tracer *tracer, double *t)
 
 void path_turn_back(Tracer *tracer)
 {
-    if (!tracer->passed.n) return;
-    NestList swap = tracer->list;
-    tracer->list = tracer->aside;
-    tracer->aside = swap;
+    if (tracer->passed.n) nest_list_swap(&tracer->list, &tracer->aside);
 }
 
 /* Crosses the one surface that was found where lists are rows. */
