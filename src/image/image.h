@@ -12,11 +12,13 @@
 #include "base/pool.h"
 #include "base/status.h"
 
+enum { IMAGE_NAME_SIZE = 64 }; /* of a channel's name, with its end */
+
 /* Interleaved float channels, row 0 at the top. Owns its arrays (malloc). */
 typedef struct Image {
     uint32_t width, height, n_channels;
-    char (*names)[64]; /* "R", "G", "B", "A", "noise.Y", ... */
-    float *pixels;     /* width * height * n_channels */
+    char (*names)[IMAGE_NAME_SIZE]; /* "R", "G", "B", "A", "noise.Y", ... */
+    float *pixels;                  /* width * height * n_channels */
 } Image;
 
 typedef enum AttributeType { ATTRIBUTE_TEXT, ATTRIBUTE_INT, ATTRIBUTE_FLOAT } AttributeType;

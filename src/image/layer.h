@@ -20,7 +20,7 @@ typedef struct Layer {
 } Layer;
 
 /* A layer is the channels NAME.R, NAME.G and NAME.B, or .X, .Y and .Z, or .U and .V, or the one channel NAME. */
-enum { LAYER_NAME_SIZE = 64 };
+enum { LAYER_NAME_SIZE = IMAGE_NAME_SIZE };
 bool layer_is_in(const Image *image, const char *name);
 /* The layer that a channel belongs to: all that there are, some of them several times. */
 void layer_of_channel(const Image *image, uint32_t channel, char name[LAYER_NAME_SIZE]);

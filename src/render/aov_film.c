@@ -23,7 +23,7 @@ enum {
     SUM_UV = SUM_POSITION + 3 * LENGTH_SUMS,
     SUM_OBJECT = SUM_UV + 2,
     SUM_MEDIUM = SUM_OBJECT + 3,
-    SUM_DEPTH = SUM_MEDIUM + 3,
+    SUM_DEPTH = SUM_MEDIUM + 3, /* the three of AOV_NESTING stand in a row, in the order of its channels */
     SUM_SILENT,
     SUM_FAULTS,
     AOV_SUMS,
@@ -409,7 +409,7 @@ void aov_film_guide(const AovFilm *aovs, const Film *film, size_t pixel, float g
 }
 
 /* The names of all channels: of the film, then of the AOVs in the order of the table. Returns how many. */
-static uint32_t channel_names(AovSet set, const Image *plain, char (*names)[64])
+static uint32_t channel_names(AovSet set, const Image *plain, char (*names)[IMAGE_NAME_SIZE])
 {
     uint32_t n = plain->n_channels;
     memcpy(names, plain->names, n * sizeof *names);
@@ -453,7 +453,7 @@ Status aov_film_resolve(const AovFilm *aovs, const Film *film, const Spread *spr
     TRY(film_resolve(film, spread, pool, image, error));
     if (!aovs->set) return STATUS_OK;
     if (aovs->out_of_memory) return fail(error, STATUS_NOMEM, "out of memory for the film's further channels");
-    char names[MOST_CHANNELS][64];
+    char names[MOST_CHANNELS][IMAGE_NAME_SIZE];
     const char *pointers[MOST_CHANNELS];
     uint32_t n = channel_names(aovs->set, image, names);
     for (uint32_t i = 0; i < n; i++) pointers[i] = names[i];
