@@ -79,17 +79,6 @@ static void add_text(Buf *out, const char *text)
     buf_add_bytes(out, text, size);
 }
 
-static void count_least_and_most(const RenderState *state, Head *head)
-{
-    head->least_samples = UINT32_MAX;
-    for (uint32_t y = state->crop[1]; y < state->crop[3]; y++)
-        for (uint32_t x = state->crop[0]; x < state->crop[2]; x++) {
-            uint32_t n = film_pixel(&state->film, x, y)->n;
-            if (n < head->least_samples) head->least_samples = n;
-            if (n > head->most_samples) head->most_samples = n;
-        }
-}
-
 static void add_head(const Writing *writing, Buf *out)
 {
     const RenderState *state = writing->state;
@@ -118,7 +107,8 @@ static void add_head(const Writing *writing, Buf *out)
                  .counters = state->counters,
                  .saturated_samples = state->saturated_samples};
     memcpy(head.crop, state->crop, sizeof head.crop);
-    count_least_and_most(state, &head);
+    uint64_t sum;
+    film_count_samples(&state->film, state->crop, &head.least_samples, &head.most_samples, &sum);
     buf_add_bytes(out, (const char *)&head, sizeof head);
     for (uint32_t i = 0; i < notes->n_facts; i++) {
         add_text(out, notes->facts[i].name);

@@ -34,6 +34,20 @@ void film_forget_row(Film *film, uint32_t x0, uint32_t x1, uint32_t y)
     memset(&film->pixels[(size_t)y * film->width + x0], 0, (x1 - x0) * sizeof *film->pixels);
 }
 
+void film_count_samples(const Film *film, const uint32_t crop[4], uint32_t *least, uint32_t *most, uint64_t *sum)
+{
+    *least = UINT32_MAX;
+    *most = 0;
+    *sum = 0;
+    for (uint32_t y = crop[1]; y < crop[3]; y++)
+        for (uint32_t x = crop[0]; x < crop[2]; x++) {
+            uint32_t n = film_pixel(film, x, y)->n;
+            if (n < *least) *least = n;
+            if (n > *most) *most = n;
+            *sum += n;
+        }
+}
+
 static double held(double value, double largest, bool *saturated)
 {
     if (fabs(value) <= largest) return value;

@@ -45,6 +45,8 @@ ATTR_NODISCARD Status film_init(Film *film, uint32_t width, uint32_t height, Err
 void film_clear(Film *film);
 /* Takes all samples away from the pixels of a row from column x0 up to but without x1. */
 void film_forget_row(Film *film, uint32_t x0, uint32_t x1, uint32_t y);
+/* How many samples the pixels of a crop have: the least, the most, and all together. */
+void film_count_samples(const Film *film, const uint32_t crop[4], uint32_t *least, uint32_t *most, uint64_t *sum);
 /* One sample, of a pixel in their order. Returns whether the sample, or the sum, was brighter than the film can hold (it is then
  * held at its limit). */
 bool film_add(Film *film, uint32_t x, uint32_t y, const float rgb[3], float alpha);

@@ -450,17 +450,9 @@ static Status run_passes(Job *job, bool *stopped, Error *error)
 static void count_samples(const RenderState *state, RenderStats *stats)
 {
     const uint32_t *crop = state->crop;
-    double sum = 0;
-    stats->samples = UINT32_MAX;
-    stats->most_samples = 0;
-    for (uint32_t y = crop[1]; y < crop[3]; y++)
-        for (uint32_t x = crop[0]; x < crop[2]; x++) {
-            uint32_t n = film_pixel(&state->film, x, y)->n;
-            if (n < stats->samples) stats->samples = n;
-            if (n > stats->most_samples) stats->most_samples = n;
-            sum += n;
-        }
-    stats->mean_samples = sum / ((double)(crop[2] - crop[0]) * (crop[3] - crop[1]));
+    uint64_t sum;
+    film_count_samples(&state->film, crop, &stats->samples, &stats->most_samples, &sum);
+    stats->mean_samples = (double)sum / ((double)(crop[2] - crop[0]) * (crop[3] - crop[1]));
 }
 
 /* What was there before this render. */
@@ -513,10 +505,11 @@ void render_state_clear(RenderState *state)
 
 bool render_state_is_empty(const RenderState *state)
 {
-    RenderStats stats;
+    uint32_t least, most;
+    uint64_t sum;
     if (!state->film.pixels) return true;
-    count_samples(state, &stats);
-    return stats.most_samples == 0;
+    film_count_samples(&state->film, state->crop, &least, &most, &sum);
+    return most == 0;
 }
 
 bool render_state_is_worth_keeping(const RenderState *state)
