@@ -23,7 +23,8 @@ typedef struct Footer {
 
 /* What the head begins with. Without gaps between members. */
 typedef struct Head {
-    uint32_t byte_order, head_size, film_pixel_size, bright_pixel_size, aov_pixel_size, none;
+    uint32_t byte_order, head_size, film_pixel_size, bright_pixel_size, aov_pixel_size;
+    uint32_t padding; /* 0: without it `unit` would not stand at a multiple of its size */
     uint32_t width, height, crop[4];
     uint32_t samples, first_sample, end_sample, guide_samples, least_samples, most_samples;
     uint32_t aovs, spreads, guides, wants, n_facts, n_attributes;
@@ -289,8 +290,8 @@ static bool head_can_be(const Head *head)
            head->crop[3] <= head->height && head->first_sample < head->end_sample &&
            head->end_sample <= head->samples && head->samples <= FILM_MOST_SAMPLES &&
            head->least_samples <= head->most_samples && head->most_samples <= FILM_MOST_SAMPLES &&
-           (AovSet)head->aovs < (AovSet)1 << AOV_COUNT && head->unit >= 0 && head->n_facts <= CHECKPOINT_MOST_FACTS &&
-           head->n_attributes <= CHECKPOINT_MOST_ATTRIBUTES;
+           (AovSet)head->aovs < (AovSet)1 << AOV_COUNT && head->padding == 0 && head->unit >= 0 &&
+           head->n_facts <= CHECKPOINT_MOST_FACTS && head->n_attributes <= CHECKPOINT_MOST_ATTRIBUTES;
 }
 
 /* Before memory is asked for. A file can hold a small part of a large frame, whose picture, nearly all black, compresses well. */
