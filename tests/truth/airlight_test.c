@@ -179,99 +179,101 @@ static void lamps_in_haze(void **state)
     }
 }
 
+/* Media and lights of all kinds, for EYE. */
+static const struct {
+    const char *what, *scene;
+    uint32_t samples;
+} lit_media[] = {
+    {"a ball of light in fog of many colours",
+     "medium fog { ior = 1  scattering = <.05, .2, .8>  absorption = <.2, 0, .1>  phase = hg(.5) }"
+     "box { interior = fog  from = <-4, -4, -8>  to = <4, 4, 1> }"
+     "light { shape = sphere  from = <.3, 0, -3>  radius = .1  radiance = 20 }",
+     512},
+    {"the same in droplets, which send colours each another way",
+     "medium fog { ior = 1  scattering = <.05, .2, .8>  absorption = <.2, 0, .1>  phase = droplets(2, .4) }"
+     "box { interior = fog  from = <-4, -4, -8>  to = <4, 4, 1> }"
+     "light { shape = sphere  from = <.3, 0, -3>  radius = .1  radiance = 20 }",
+     512},
+    {"a cloud of droplets that scatters colours unlike, in a mist of others",
+     "def g(p) = 2 * max(0, 1 - length(p - <0, .5, -2>)) medium cloud { mixes = true  scattering = <.3, 1, 3>"
+     "  phase = droplets(3, .4)  density = volume { function = g  from = <-1, -1, -4>  to = <1, 2, 0>  cells = 20 } }"
+     "medium mist { mixes = true  scattering = .05  phase = droplets(10) }"
+     "sphere { interior = cloud  center = <0, .5, -2> } box { interior = mist  from = <-4, -4, -8>  to = <4, 4, 1> }"
+     "light { shape = sphere  from = <.9, 1.5, -2.5>  radius = .2  radiance = 20 }"
+     "light { shape = distant  from = <1, 1, -1>  to = <0, 0, 0>  angle = 3deg  power = 1 }",
+     512},
+    {"the same far off, before a wall",
+     "medium fog { ior = 1  scattering = .05  phase = hg(-.3) } box { interior = fog  from = <-4, -4, -8>  to = "
+     "<4, 4, 1> }"
+     "light { shape = sphere  from = <3, 3, -3>  radius = .3  radiance = 20 }"
+     "box { from = <-4, -4, -8>  to = <4, 4, -7> surface = surface { albedo = .5 } }",
+     256},
+    {"thick fog around a window and a mesh that shine",
+     "medium fog { ior = 1  scattering = 3  absorption = .1 } box { interior = fog  from = <-4, -4, -8>  to = <4, "
+     "4, 1> }"
+     "light { shape = quad  from = <0, .6, -1>  to = <0, 0, -1>  size = <.5, .3>  radiance = 2 }"
+     "mesh { positions = [<-.6, -.2, -1>, <-.6, .2, -1>, <-.6, 0, -.8>]  triangles = [<0, 1, 2>]"
+     "  surface = surface { emission = 1  radiance = 5 } }",
+     128},
+    {"the sun and a bright part of the sky over haze of two layers",
+     "medium low { ior = 1  scattering = .3 } medium high { ior = 1  scattering = <.02, .05, .2>  phase = "
+     "rayleigh() }"
+     "box { interior = low  from = <-4, -4, -4>  to = <4, 4, -2> } box { interior = high  from = <-4, -4, -2>  to "
+     "= <4, 4, 1> }"
+     "light { shape = distant  from = <1, 1, 1>  to = <0, 0, 0>  angle = 2deg  power = 1 }"
+     "environment { color = 1  strength = .1 }",
+     256},
+    {"a flame in its own smoke, in haze",
+     "def f(p) = max(0, 1 - length(p - <.2, 0, -2>)) def g(p) = 2 * max(0, 1 - length(p - <0, .5, -2>))"
+     " medium flame { mixes = true  emission = 1  density = volume { function = f from = <-1, -1, -3>  to = <1, 1, "
+     "-1>"
+     "  cells = 20 } } medium smoke { mixes = true  scattering = <.5, 1, 2>  phase = hg(.4)  density = volume {"
+     "  function = g from = <-1, -1, -4>  to = <1, 2, 0>  cells = 20 } } medium haze { mixes = true  scattering = "
+     ".05 }"
+     "sphere { interior = flame  center = <.2, 0, -2> } sphere { interior = smoke  center = <0, .5, -2> }"
+     "box { interior = haze  from = <-4, -4, -8>  to = <4, 4, 1> }",
+     256},
+    {"gas that shines and scatters, beside water",
+     "medium gas { ior = 1  emission = 1  scattering = .4 } medium haze { ior = 1  scattering = .1 }"
+     " medium water { ior = 1.33  scattering = .2 } box { interior = haze  from = <-4, -4, -8>  to = <4, 4, 1> }"
+     "sphere { interior = gas  center = <.4, 0, -2>  radius = .3 } box { interior = water  from = <-1, -1, -4>  to "
+     "= <1, 1, -2> }",
+     256},
+    {"many small lights",
+     "medium haze { ior = 1  scattering = .1 } box { interior = haze  from = <-4, -4, -8>  to = <4, 4, 1> }"
+     "for (i in 0..40) { sphere { center = <sin(i), cos(i * 1.7), -.1 * i - .5>  radius = .02  surface = surface { "
+     "emission = 1  radiance = i + 1 } } }",
+     256},
+    {"a beam",
+     "medium haze { ior = 1  scattering = .1  phase = hg(.6) } box { interior = haze  from = <-4, -4, -8>  to = "
+     "<4, 4, 1> }"
+     "light { shape = disc  from = <1, 1, -3>  to = <0, 0, -3>  radius = .2  angle = 30deg  radiance = 5 }",
+     256},
+    {"a lamp behind a grid",
+     "medium haze { ior = 1  scattering = .1 } box { interior = haze  from = <-4, -4, -8>  to = <4, 4, 1> }"
+     "light { from = <0, 2, -3>  to = <0, 0, -3>  size = <2, 1>  angle = 50deg  blend = .5  radiance = 5 }",
+     256},
+    {"a beam beside a larger lamp",
+     "medium haze { ior = 1  scattering = .1 } box { interior = haze  from = <-4, -4, -8>  to = <4, 4, 1> }"
+     "light { shape = disc  from = <3, .5, -2>  to = <-3, 0, -3>  radius = .2  angle = 4deg  power = 1 }"
+     "light { from = <0, 3.5, -3>  to = <0, 0, -3>  size = <2, 1>  power = 5 }",
+     256},
+    {"a spot",
+     "medium haze { ior = 1  scattering = .1  phase = hg(.6) } box { interior = haze  from = <-4, -4, -8>  to = "
+     "<4, 4, 1> }"
+     "light { shape = spot  from = <1, 1, -3>  to = <0, 0, -3>  angle = 30deg  intensity = 1 }",
+     256},
+};
+
 /* Whatever the medium and the lights are: looked for along the way as well, and only where paths are scattered. */
 static void looks_agree(void **state)
 {
     (void)state;
-    static const struct {
-        const char *what, *scene;
-        uint32_t samples;
-    } cases[] = {
-        {"a ball of light in fog of many colours",
-         "medium fog { ior = 1  scattering = <.05, .2, .8>  absorption = <.2, 0, .1>  phase = hg(.5) }"
-         "box { interior = fog  from = <-4, -4, -8>  to = <4, 4, 1> }"
-         "light { shape = sphere  from = <.3, 0, -3>  radius = .1  radiance = 20 }",
-         512},
-        {"the same in droplets, which send colours each another way",
-         "medium fog { ior = 1  scattering = <.05, .2, .8>  absorption = <.2, 0, .1>  phase = droplets(2, .4) }"
-         "box { interior = fog  from = <-4, -4, -8>  to = <4, 4, 1> }"
-         "light { shape = sphere  from = <.3, 0, -3>  radius = .1  radiance = 20 }",
-         512},
-        {"a cloud of droplets that scatters colours unlike, in a mist of others",
-         "def g(p) = 2 * max(0, 1 - length(p - <0, .5, -2>)) medium cloud { mixes = true  scattering = <.3, 1, 3>"
-         "  phase = droplets(3, .4)  density = volume { function = g  from = <-1, -1, -4>  to = <1, 2, 0>  cells = 20 } }"
-         "medium mist { mixes = true  scattering = .05  phase = droplets(10) }"
-         "sphere { interior = cloud  center = <0, .5, -2> } box { interior = mist  from = <-4, -4, -8>  to = <4, 4, 1> }"
-         "light { shape = sphere  from = <.9, 1.5, -2.5>  radius = .2  radiance = 20 }"
-         "light { shape = distant  from = <1, 1, -1>  to = <0, 0, 0>  angle = 3deg  power = 1 }",
-         512},
-        {"the same far off, before a wall",
-         "medium fog { ior = 1  scattering = .05  phase = hg(-.3) } box { interior = fog  from = <-4, -4, -8>  to = "
-         "<4, 4, 1> }"
-         "light { shape = sphere  from = <3, 3, -3>  radius = .3  radiance = 20 }"
-         "box { from = <-4, -4, -8>  to = <4, 4, -7> surface = surface { albedo = .5 } }",
-         256},
-        {"thick fog around a window and a mesh that shine",
-         "medium fog { ior = 1  scattering = 3  absorption = .1 } box { interior = fog  from = <-4, -4, -8>  to = <4, "
-         "4, 1> }"
-         "light { shape = quad  from = <0, .6, -1>  to = <0, 0, -1>  size = <.5, .3>  radiance = 2 }"
-         "mesh { positions = [<-.6, -.2, -1>, <-.6, .2, -1>, <-.6, 0, -.8>]  triangles = [<0, 1, 2>]"
-         "  surface = surface { emission = 1  radiance = 5 } }",
-         128},
-        {"the sun and a bright part of the sky over haze of two layers",
-         "medium low { ior = 1  scattering = .3 } medium high { ior = 1  scattering = <.02, .05, .2>  phase = "
-         "rayleigh() }"
-         "box { interior = low  from = <-4, -4, -4>  to = <4, 4, -2> } box { interior = high  from = <-4, -4, -2>  to "
-         "= <4, 4, 1> }"
-         "light { shape = distant  from = <1, 1, 1>  to = <0, 0, 0>  angle = 2deg  power = 1 }"
-         "environment { color = 1  strength = .1 }",
-         256},
-        {"a flame in its own smoke, in haze",
-         "def f(p) = max(0, 1 - length(p - <.2, 0, -2>)) def g(p) = 2 * max(0, 1 - length(p - <0, .5, -2>))"
-         " medium flame { mixes = true  emission = 1  density = volume { function = f from = <-1, -1, -3>  to = <1, 1, "
-         "-1>"
-         "  cells = 20 } } medium smoke { mixes = true  scattering = <.5, 1, 2>  phase = hg(.4)  density = volume {"
-         "  function = g from = <-1, -1, -4>  to = <1, 2, 0>  cells = 20 } } medium haze { mixes = true  scattering = "
-         ".05 }"
-         "sphere { interior = flame  center = <.2, 0, -2> } sphere { interior = smoke  center = <0, .5, -2> }"
-         "box { interior = haze  from = <-4, -4, -8>  to = <4, 4, 1> }",
-         256},
-        {"gas that shines and scatters, beside water",
-         "medium gas { ior = 1  emission = 1  scattering = .4 } medium haze { ior = 1  scattering = .1 }"
-         " medium water { ior = 1.33  scattering = .2 } box { interior = haze  from = <-4, -4, -8>  to = <4, 4, 1> }"
-         "sphere { interior = gas  center = <.4, 0, -2>  radius = .3 } box { interior = water  from = <-1, -1, -4>  to "
-         "= <1, 1, -2> }",
-         256},
-        {"many small lights",
-         "medium haze { ior = 1  scattering = .1 } box { interior = haze  from = <-4, -4, -8>  to = <4, 4, 1> }"
-         "for (i in 0..40) { sphere { center = <sin(i), cos(i * 1.7), -.1 * i - .5>  radius = .02  surface = surface { "
-         "emission = 1  radiance = i + 1 } } }",
-         256},
-        {"a beam",
-         "medium haze { ior = 1  scattering = .1  phase = hg(.6) } box { interior = haze  from = <-4, -4, -8>  to = "
-         "<4, 4, 1> }"
-         "light { shape = disc  from = <1, 1, -3>  to = <0, 0, -3>  radius = .2  angle = 30deg  radiance = 5 }",
-         256},
-        {"a lamp behind a grid",
-         "medium haze { ior = 1  scattering = .1 } box { interior = haze  from = <-4, -4, -8>  to = <4, 4, 1> }"
-         "light { from = <0, 2, -3>  to = <0, 0, -3>  size = <2, 1>  angle = 50deg  blend = .5  radiance = 5 }",
-         256},
-        {"a beam beside a larger lamp",
-         "medium haze { ior = 1  scattering = .1 } box { interior = haze  from = <-4, -4, -8>  to = <4, 4, 1> }"
-         "light { shape = disc  from = <3, .5, -2>  to = <-3, 0, -3>  radius = .2  angle = 4deg  power = 1 }"
-         "light { from = <0, 3.5, -3>  to = <0, 0, -3>  size = <2, 1>  power = 5 }",
-         256},
-        {"a spot",
-         "medium haze { ior = 1  scattering = .1  phase = hg(.6) } box { interior = haze  from = <-4, -4, -8>  to = "
-         "<4, 4, 1> }"
-         "light { shape = spot  from = <1, 1, -3>  to = <0, 0, -3>  angle = 30deg  intensity = 1 }",
-         256},
-    };
-    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+    for (size_t i = 0; i < COUNT_OF(lit_media); i++) {
         char text[1600];
-        snprintf(text, sizeof text, "meniscus 1.0 unit m %s" EYE, cases[i].scene);
-        Estimate with = measure(text, cases[i].samples, true), without = measure(text, cases[i].samples, false);
-        truth_expect(cases[i].what, 1, truth_ratio(with, without), 4, 0.05);
+        snprintf(text, sizeof text, "meniscus 1.0 unit m %s" EYE, lit_media[i].scene);
+        Estimate with = measure(text, lit_media[i].samples, true), without = measure(text, lit_media[i].samples, false);
+        truth_expect(lit_media[i].what, 1, truth_ratio(with, without), 4, 0.05);
         print_message("    %.3g times the variance\n", pow(with.error / without.error, 2));
     }
 }

@@ -96,78 +96,80 @@ static void meshes_deform_and_cones_do_not(void **state)
     fixture_clear(&scene);
 }
 
+#define BALL(surface) "sphere ball { surface = surface { " surface " } } environment { } "
+#define CLOUD(volume)                                                                                                  \
+    "medium m { ior = 1  absorption = 1  density = " volume " } sphere { interior = m } environment { } "
+/* What the clock changes. */
+static const struct {
+    const char *text, *told; /* a part of the message; NULL: there is none */
+} changes[] = {
+    {"medium m { ior = 1 + clock } sphere { interior = m } environment { }", "medium m"},
+    {"medium m { ior = 1 + clock } sphere { interior = m } if (clock > .1) { sphere { interior = glass  center = "
+     "<9, 0, 0> } }"
+     "medium n { ior = 2 } environment { }",
+     "medium m"},
+    {"sphere { interior = clock < .2 ? glass : ice } sphere { interior = glass  center = <9, 0, 0> } environment { "
+     "}",
+     "medium"},
+    {"if (clock < .2) { sphere { interior = glass } } else { sphere { interior = glass } } environment { }", NULL},
+    {"sphere ball { interior = glass  priority = clock < .2 ? 1 : 2 } environment { }", "the priority of ball"},
+    {BALL("albedo = .5 + clock / 2"), "'albedo' of ball"},
+    {BALL("albedo = .5  ior = 1.5  roughness = clock < .2 ? .1 : clock > .4 ? .1 : .3"), "'roughness' of ball"},
+    {BALL("albedo = clock < .2 ? noise { } : .5"), "'albedo' of ball"},
+    {BALL("mix = [surface { albedo = .2 }, surface { albedo = .2 + clock }]"), "'albedo' of ball"},
+    {BALL("albedo = .5  emission = #fff  radiance = 1 + clock"), "'emission' of ball"},
+    {BALL("albedo = .5  bump = noise { }  bump_height = .1 + clock"), "'bump_height' of ball"},
+    {BALL("albedo = clock < .2 ? noise { } : wood { }"), "'albedo' of ball: its texture"},
+    {BALL("albedo = noise { octaves = clock < .2 ? 1 : 2 }"), "'albedo' of ball: its texture"},
+    {BALL("albedo = wood { seed = clock < .2 ? 1 : 2 }"), "'albedo' of ball: its texture"},
+    {"def f(p) = clock < .2 ? .5 : .5 + .1 * sin(p.x) " BALL("albedo = f"), "'albedo' of ball: its texture"},
+    {BALL("albedo = mix { blend = clock < .2 ? spots { } : wood { } }"), "'albedo' of ball: its texture"},
+    {"light { shape = spot  from = y  to = -y  angle = 30 + 60 * clock }", "what shines of light"},
+    {"light { shape = distant  from = <clock, 1, 0>  to = <0, 0, 0> }", "what shines of light"},
+    {"light { from = y  to = <clock - .1, 0, 0>  profile = \"tests/unit/lamp.ies\"  shape = point  power = 1 }",
+     "the turn about its own axis of light"},
+    {"light { from = y  to = <clock - .1, 0, 0>  profile = \"tests/unit/lamp_quarter.ies\"  shape = point  power = "
+     "1 }",
+     NULL},
+    {"sphere { interior = glass } environment { sky = clear  azimuth = 90 * clock  disc = false }", "the environment"},
+    {"sphere { interior = glass } environment { color = .5 + clock }", "the environment"},
+    {"sphere { interior = glass } environment { rotate(y, 90 * clock) }", "the environment"},
+    {"def f(p) = 1 + clock " CLOUD("volume { function = f }"), "the density of m"},
+    {"def f(p) = 1 " CLOUD("volume { function = f  cells = 8 + 8 * clock }"), "the density of m"},
+    {"def f(p) = 1 " CLOUD("volume { function = f  scale = 1 + clock }"), "the density of m"},
+    {"def f(p) = 999 medium m { ior = 1  emission = blackbody(1500)  temperature = volume { function = f  scale = "
+     "1 + clock } }"
+     "sphere { interior = m } environment { }",
+     "the temperature of m"},
+    /* what is blurred is no change */
+    {"def f(p) = 1 medium m { ior = 1  absorption = 1  density = volume { function = f  translate(<clock, 0, 0>) } "
+     "}"
+     "sphere { interior = m  center = <clock, 0, 0> }"
+     "sphere { surface = surface { albedo = noise { } }  center = <clock, 0, 0> }"
+     "sphere { surface = surface { ior = 1.5  roughness = gradient { phase = clock  to = clock } } }"
+     "light { shape = spot  from = y  to = <clock, -1, 0> } light { shape = distant  from = y  to = -y }"
+     "environment { sky = clear }",
+     NULL},
+    {"def f(p) = max(0, .5 + .3 * sin(90 * p.x + clock)) " BALL("albedo = f"), NULL},
+    /* nor is what comes or goes */
+    {"if (clock < .25) { sphere { surface = surface { albedo = .1 } } } sphere { interior = glass } environment { "
+     "}",
+     NULL},
+};
+
 /* What is blurred are places, and numbers of textures: of all else that the clock changes it is told that it stays. */
 static void other_values_stay_and_are_told(void **state)
 {
     (void)state;
-#define BALL(surface) "sphere ball { surface = surface { " surface " } } environment { } "
-#define CLOUD(volume)                                                                                                  \
-    "medium m { ior = 1  absorption = 1  density = " volume " } sphere { interior = m } environment { } "
-    static const struct {
-        const char *text, *told; /* a part of the message; NULL: there is none */
-    } cases[] = {
-        {"medium m { ior = 1 + clock } sphere { interior = m } environment { }", "medium m"},
-        {"medium m { ior = 1 + clock } sphere { interior = m } if (clock > .1) { sphere { interior = glass  center = "
-         "<9, 0, 0> } }"
-         "medium n { ior = 2 } environment { }",
-         "medium m"},
-        {"sphere { interior = clock < .2 ? glass : ice } sphere { interior = glass  center = <9, 0, 0> } environment { "
-         "}",
-         "medium"},
-        {"if (clock < .2) { sphere { interior = glass } } else { sphere { interior = glass } } environment { }", NULL},
-        {"sphere ball { interior = glass  priority = clock < .2 ? 1 : 2 } environment { }", "the priority of ball"},
-        {BALL("albedo = .5 + clock / 2"), "'albedo' of ball"},
-        {BALL("albedo = .5  ior = 1.5  roughness = clock < .2 ? .1 : clock > .4 ? .1 : .3"), "'roughness' of ball"},
-        {BALL("albedo = clock < .2 ? noise { } : .5"), "'albedo' of ball"},
-        {BALL("mix = [surface { albedo = .2 }, surface { albedo = .2 + clock }]"), "'albedo' of ball"},
-        {BALL("albedo = .5  emission = #fff  radiance = 1 + clock"), "'emission' of ball"},
-        {BALL("albedo = .5  bump = noise { }  bump_height = .1 + clock"), "'bump_height' of ball"},
-        {BALL("albedo = clock < .2 ? noise { } : wood { }"), "'albedo' of ball: its texture"},
-        {BALL("albedo = noise { octaves = clock < .2 ? 1 : 2 }"), "'albedo' of ball: its texture"},
-        {BALL("albedo = wood { seed = clock < .2 ? 1 : 2 }"), "'albedo' of ball: its texture"},
-        {"def f(p) = clock < .2 ? .5 : .5 + .1 * sin(p.x) " BALL("albedo = f"), "'albedo' of ball: its texture"},
-        {BALL("albedo = mix { blend = clock < .2 ? spots { } : wood { } }"), "'albedo' of ball: its texture"},
-        {"light { shape = spot  from = y  to = -y  angle = 30 + 60 * clock }", "what shines of light"},
-        {"light { shape = distant  from = <clock, 1, 0>  to = <0, 0, 0> }", "what shines of light"},
-        {"light { from = y  to = <clock - .1, 0, 0>  profile = \"tests/unit/lamp.ies\"  shape = point  power = 1 }",
-         "the turn about its own axis of light"},
-        {"light { from = y  to = <clock - .1, 0, 0>  profile = \"tests/unit/lamp_quarter.ies\"  shape = point  power = "
-         "1 }",
-         NULL},
-        {"sphere { interior = glass } environment { sky = clear  azimuth = 90 * clock  disc = false }",
-         "the environment"},
-        {"sphere { interior = glass } environment { color = .5 + clock }", "the environment"},
-        {"sphere { interior = glass } environment { rotate(y, 90 * clock) }", "the environment"},
-        {"def f(p) = 1 + clock " CLOUD("volume { function = f }"), "the density of m"},
-        {"def f(p) = 1 " CLOUD("volume { function = f  cells = 8 + 8 * clock }"), "the density of m"},
-        {"def f(p) = 1 " CLOUD("volume { function = f  scale = 1 + clock }"), "the density of m"},
-        {"def f(p) = 999 medium m { ior = 1  emission = blackbody(1500)  temperature = volume { function = f  scale = "
-         "1 + clock } }"
-         "sphere { interior = m } environment { }",
-         "the temperature of m"},
-        /* what is blurred is no change */
-        {"def f(p) = 1 medium m { ior = 1  absorption = 1  density = volume { function = f  translate(<clock, 0, 0>) } "
-         "}"
-         "sphere { interior = m  center = <clock, 0, 0> }"
-         "sphere { surface = surface { albedo = noise { } }  center = <clock, 0, 0> }"
-         "sphere { surface = surface { ior = 1.5  roughness = gradient { phase = clock  to = clock } } }"
-         "light { shape = spot  from = y  to = <clock, -1, 0> } light { shape = distant  from = y  to = -y }"
-         "environment { sky = clear }",
-         NULL},
-        {"def f(p) = max(0, .5 + .3 * sin(90 * p.x + clock)) " BALL("albedo = f"), NULL},
-        /* nor is what comes or goes */
-        {"if (clock < .25) { sphere { surface = surface { albedo = .1 } } } sphere { interior = glass } environment { "
-         "}",
-         NULL},
-    };
-    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+    for (size_t i = 0; i < COUNT_OF(changes); i++) {
         char text[1000];
         Fixture scene;
-        snprintf(text, sizeof text, FIXTURE_MEDIA "%s" CAMERA("shutter = 180deg  shutter_steps = 2"), cases[i].text);
+        snprintf(text, sizeof text, FIXTURE_MEDIA "%s" CAMERA("shutter = 180deg  shutter_steps = 2"), changes[i].text);
         fixture_good(&scene, text);
         const Diagnostic *report = fixture_find(&scene, D_VALUE_CHANGES);
-        if ((report != NULL) != (cases[i].told != NULL)) fail_msg("%s: %s", cases[i].text, report ? report->text : "-");
-        if (report && !strstr(report->text, cases[i].told)) fail_msg("%s: %s", cases[i].text, report->text);
+        if ((report != NULL) != (changes[i].told != NULL))
+            fail_msg("%s: %s", changes[i].text, report ? report->text : "-");
+        if (report && !strstr(report->text, changes[i].told)) fail_msg("%s: %s", changes[i].text, report->text);
         fixture_clear(&scene);
     }
 }

@@ -56,6 +56,51 @@ static size_t look_again(const TestScene *s, const NestOrder *order, NestList *l
     return missed ? 1 : n;
 }
 
+/* *next becomes the list behind a place, from the one in front of it on; counted in *result. false: something is clipped there, in
+ * and out of one object at once is no surface to turn away from. */
+static bool cross_place(const NestOrder *order, const NestList *list, const HitList *hits, size_t n, NestList *next,
+                        WalkResult *result)
+{
+    NestPass passes[64];
+    NestCrossing crossing;
+    for (size_t i = 0; i < n; i++) passes[i] = (NestPass){hits->items[i].object, hits->items[i].entering};
+    assert_int_equal(nest_list_copy(next, list), STATUS_OK);
+    assert_int_equal(nest_cross(next, order, passes, (uint32_t)n, &crossing), STATUS_OK);
+    result->crossings += n;
+    result->faults += crossing.n_faults;
+    bool clipped = false;
+    for (size_t i = 1; i < n; i++)
+        for (size_t k = 0; k < i; k++)
+            clipped |= passes[i].hull == passes[k].hull && passes[i].entering != passes[k].entering;
+    return !clipped;
+}
+
+/* Away from the place of a hit, on the side of its surface that its normal stands on, or on the other. */
+static Vec3 choose_direction(const TestScene *s, Vec3 place, const Hit *hit, bool outward, uint64_t *random)
+{
+    Vec3 direction = random_direction(random), normal = vec3_from_f(hit->normal);
+    if (unit(random) < 0.3) { /* grazing, within a hundredth */
+        double along = vec3_dot(direction, normal);
+        direction = vec3_normalize(vec3_along(direction, -along * (1 - 1e-2), normal));
+    }
+    if (s->at_edges && unit(random) < 0.7) direction = vec3_normalize(vec3_sub(place_at_edge(s, random), place));
+    return (vec3_dot(direction, normal) > 0) != outward ? vec3_scale(direction, -1) : direction;
+}
+
+/* The ray becomes the one that leaves a place in a new direction, and the list the one that it starts with: by that direction each
+ * surface of the place is crossed or not. */
+static void turn(const TestScene *s, const NestOrder *order, NestList *list, HitList *hits, size_t n, bool through,
+                 Vec3 direction, Ray *ray)
+{
+    rtc_leave(s->rtc, ray, hits->items, &n, through, vec3f_from(direction), ray);
+    for (size_t i = 0; i < n; i++) {
+        NestPass pass = {hits->items[i].object, hits->items[i].inside};
+        NestCrossing crossing;
+        if (pass.entering == hits->items[i].entering)
+            assert_int_equal(nest_cross(list, order, &pass, 1, &crossing), STATUS_OK);
+    }
+}
+
 /* Walks that start far outside, cross or reflect at random in random directions, and end outside. At an escape the
  * list must be empty, too. */
 static WalkResult walk(const TestScene *s, double size, uint64_t n_walks, uint64_t seed)
@@ -84,43 +129,20 @@ static WalkResult walk(const TestScene *s, double size, uint64_t n_walks, uint64
                 result.escapes_inside += nest_list_count(&list) != 0;
                 break;
             }
-            NestPass passes[64];
-            for (size_t i = 0; i < n; i++) passes[i] = (NestPass){hits.items[i].object, hits.items[i].entering};
-            NestCrossing crossing;
-            assert_int_equal(nest_list_copy(&next, &list), STATUS_OK);
-            assert_int_equal(nest_cross(&next, &order, passes, (uint32_t)n, &crossing), STATUS_OK);
-            result.crossings += n;
-            result.faults += crossing.n_faults;
+            bool turns = cross_place(&order, &list, &hits, n, &next, &result);
             if (hits.items[0].t - ray.t_min < 1e-10 * size) break; /* run into a corner, as far as double can tell */
             double choice = unit(&random);
-            bool edge = false; /* clipped: in and out of one object at once is no surface to turn away from */
-            for (size_t i = 1; i < n; i++)
-                for (size_t k = 0; k < i; k++)
-                    edge |= passes[i].hull == passes[k].hull && passes[i].entering != passes[k].entering;
-            if (choice < 0.2 || edge) { /* silent: the same ray goes on */
+            if (choice < 0.2 || !turns) { /* silent: the same ray goes on */
                 rtc_pass_on(&ray, hits.items, n);
                 assert_int_equal(nest_list_copy(&list, &next), STATUS_OK);
                 continue;
             }
             bool through = choice < 0.6;
             const Hit *hit = through ? &hits.items[n - 1] : &hits.items[0];
-            Vec3 direction = random_direction(&random);
-            if (unit(&random) < 0.3) { /* grazing, within a hundredth */
-                double along = vec3_dot(direction, vec3_from_f(hit->normal));
-                direction = vec3_normalize(vec3_along(direction, -along * (1 - 1e-2), vec3_from_f(hit->normal)));
-            }
-            if (s->at_edges && unit(&random) < 0.7)
-                direction = vec3_normalize(vec3_sub(place_at_edge(s, &random), ray_point(&ray, hit->t)));
-            bool outward = through != hit->entering;
-            if ((vec3_dot(direction, vec3_from_f(hit->normal)) > 0) != outward) direction = vec3_scale(direction, -1);
+            Vec3 direction = choose_direction(s, ray_point(&ray, hit->t), hit, through != hit->entering, &random);
             /* no ray is so close to the surface that rounding its direction takes it to the other side */
             if (fabs(vec3_dot(direction, vec3_from_f(hit->normal))) < 1e-6) break;
-            rtc_leave(s->rtc, &ray, hits.items, &n, through, vec3f_from(direction), &ray);
-            for (size_t i = 0; i < n; i++) { /* each surface of the place is crossed or not by the new direction */
-                NestPass pass = {hits.items[i].object, hits.items[i].inside};
-                if (pass.entering == hits.items[i].entering)
-                    assert_int_equal(nest_cross(&list, &order, &pass, 1, &crossing), STATUS_OK);
-            }
+            turn(s, &order, &list, &hits, n, through, direction, &ray);
             HitList swap = hits;
             hits = left;
             left = swap;
