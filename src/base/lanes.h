@@ -10,6 +10,8 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "base/angle.h"
+
 /* With -DMEN_PLAIN_LANES the plain array stands everywhere: `make check-plain-lanes`. The bits are the same. */
 #if defined(__GNUC__) && !defined(MEN_PLAIN_LANES)
 #define LANES_VECTORS
@@ -299,8 +301,8 @@ static inline Lanes lanes_atan2(Lanes y, Lanes x)
     p = lanes_add(lanes_mul(p, z), lanes_all(-0.333333318f));
     Lanes angle = lanes_add(t, lanes_mul(lanes_mul(t, z), p));
     angle = lanes_add(angle, lanes_select_less(far, less, lanes_all(0.785398163f), zero));
-    angle = lanes_select_less(along, across, lanes_sub(lanes_all(1.57079633f), angle), angle);
-    angle = lanes_select_less(x, zero, lanes_sub(lanes_all(3.14159265f), angle), angle);
+    angle = lanes_select_less(along, across, lanes_sub(lanes_all((float)(0.5 * MEN_PI)), angle), angle);
+    angle = lanes_select_less(x, zero, lanes_sub(lanes_all((float)MEN_PI), angle), angle);
     return lanes_select_less(y, zero, lanes_sub(zero, angle), angle);
 }
 /* What lanes_exp needs: 2^n e^r by its two factors, where `shifted` is n + LANES_SHIFT, whose last bits are n's, moved to

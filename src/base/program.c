@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/angle.h"
 #include "base/hash.h"
 #include "base/noise.h"
 
@@ -66,7 +67,7 @@ static double run_step(const ProgramStep *step, const double *r)
     case PROGRAM_SELECT: return a != 0 ? b : c;
     case PROGRAM_SMALLER: return b < a ? b : a;
     case PROGRAM_LARGER: return b > a ? b : a;
-    case PROGRAM_ATAN2: return atan2(a, b) * (180 / 3.141592653589793);
+    case PROGRAM_ATAN2: return atan2(a, b) * (180 / MEN_PI);
     case PROGRAM_MIX: return c == 1 ? b : a + (b - a) * c;
     case PROGRAM_SMOOTH: return smooth(a, b, c);
     case PROGRAM_UNARY: return step->unary(a);

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/angle.h"
 #include "base/array.h"
 #include "check/report_parts.h"
 
@@ -507,14 +508,14 @@ static void remark_beyond_poles(Remarks *r)
     const SceneFilm *film = &r->scene->film;
     const SceneCamera *camera = r->scene->n_cameras ? &r->scene->cameras[0] : NULL;
     if (!camera || camera->projection != PROJECTION_PANORAMA) return;
-    const double degree = 3.14159265358979323846 / 180, height = 2 * camera->half_width * film->height / film->width;
-    if (height <= 180 * degree + 2 * camera->half_width / film->width) return; /* by a row of pixels */
+    const double height = 2 * camera->half_width * film->height / film->width;
+    if (height <= 180 * MEN_DEGREE + 2 * camera->half_width / film->width) return; /* by a row of pixels */
     Diagnostic *report = diag_report(
         r->diag, D_BEYOND_POLES, camera->span,
         "%s sees %.4g degrees across, so that this film would be %.4g degrees high, and nothing is beyond 180",
-        camera->name, 2 * camera->half_width / degree, height / degree);
+        camera->name, 2 * camera->half_width / MEN_DEGREE, height / MEN_DEGREE);
     diag_hint(r->diag, report, "write: film { size = <%u, %u> }", film->width,
-              (unsigned)fmax(1, round(film->width * 90 * degree / camera->half_width)));
+              (unsigned)fmax(1, round(film->width * 90 * MEN_DEGREE / camera->half_width)));
 }
 
 /* The media of a list, outermost first. */
@@ -582,9 +583,8 @@ static void remark_cameras(Remarks *r)
  * is hollow, half of that at least. */
 static double mean_chord(double volume, const Box3 *box)
 {
-    const double pi = 3.14159265358979323846;
     Vec3 d = vec3_sub(box->max, box->min);
-    double of_ball = cbrt(36 * pi * volume * volume), of_box = 2 * (d.x * d.y + d.y * d.z + d.z * d.x);
+    double of_ball = cbrt(36 * MEN_PI * volume * volume), of_box = 2 * (d.x * d.y + d.y * d.z + d.z * d.x);
     return 4 * volume / fmax(of_ball, of_box * fmax(volume / (d.x * d.y * d.z), 0.5));
 }
 

@@ -9,10 +9,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/angle.h"
+
 enum { MAX_RADIUS = 16, MAX_TAPS = 2 * MAX_RADIUS + 1 };
 
 static const double pixels_per_degree = 67; /* [FLIP]: a 0.7 m wide 3840 pixel display at 0.7 m */
-static const double pi = 3.14159265358979323846;
 
 /* --- FLIP's color spaces --- */
 
@@ -87,10 +88,10 @@ typedef struct Kernel {
 static Kernel sensitivity_kernel(double b)
 {
     const double widest = 0.04; /* all channels have the radius of the widest */
-    Kernel kernel = {.radius = (int)ceil(3 * sqrt(widest / (2 * pi * pi)) * pixels_per_degree)};
+    Kernel kernel = {.radius = (int)ceil(3 * sqrt(widest / (2 * MEN_PI * MEN_PI)) * pixels_per_degree)};
     for (int i = -kernel.radius; i <= kernel.radius; i++) {
         double x = i / pixels_per_degree;
-        kernel.taps[i + kernel.radius] = exp(-pi * pi * x * x / b);
+        kernel.taps[i + kernel.radius] = exp(-MEN_PI * MEN_PI * x * x / b);
         kernel.sum += kernel.taps[i + kernel.radius];
     }
     return kernel;
@@ -217,7 +218,7 @@ static void filter_opponent(const Plane *plane, float *opponent, float *scratch,
     double weights[4], totals[3] = {0};
     for (int i = 0; i < 4; i++) {
         Kernel kernel = sensitivity_kernel(terms[i].b);
-        weights[i] = terms[i].a * sqrt(pi / terms[i].b);
+        weights[i] = terms[i].a * sqrt(MEN_PI / terms[i].b);
         totals[terms[i].channel] += weights[i] * kernel.sum * kernel.sum;
     }
     for (int i = 0; i < 4; i++) {

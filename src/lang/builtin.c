@@ -6,6 +6,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/angle.h"
 #include "base/hash.h"
 #include "base/noise.h"
 #include "base/utf8.h"
@@ -13,8 +14,14 @@
 
 /* ---- numbers ---- */
 
-static double radians(double degrees) { return degrees * (3.141592653589793 / 180); }
-static double degrees(double angle) { return angle * (180 / 3.141592653589793); }
+static double radians(double degrees)
+{
+    return degrees * MEN_DEGREE;
+}
+static double degrees(double angle)
+{
+    return angle * (180 / MEN_PI);
+}
 
 /* Reduced in degrees, where it is exact, so that sin(180) is 0 and sin(30) is as good as sin(390). */
 static double unary_sin(double x)

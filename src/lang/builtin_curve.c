@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/angle.h"
 #include "lang/builtin_run.h"
 
 /* ---- splines ---- */
@@ -140,7 +141,7 @@ void run_angle(const BuiltinCall *call, Value *result)
         difference += (p - q) * (p - q);
         sum += (p + q) * (p + q);
     }
-    *result = value_number(2 * atan2(sqrt(difference), sqrt(sum)) * 57.29577951308232);
+    *result = value_number(2 * atan2(sqrt(difference), sqrt(sum)) * (180 / MEN_PI));
     if (length_a == 0 || length_b == 0) result->as.number = (double)NAN;
     builtin_finite(call, result);
 }

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/angle.h"
 #include "base/array.h"
 #include "base/file.h"
 #include "lang/bare_text.h"
@@ -355,7 +356,7 @@ static void set_predeclared(Evaluator *evaluator)
     globals[PREDECLARED_X] = value_vector3(1, 0, 0);
     globals[PREDECLARED_Y] = value_vector3(0, 1, 0);
     globals[PREDECLARED_Z] = value_vector3(0, 0, 1);
-    globals[PREDECLARED_PI] = value_number(3.141592653589793);
+    globals[PREDECLARED_PI] = value_number(MEN_PI);
 }
 
 static void run_defines(Evaluator *evaluator)

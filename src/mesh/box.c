@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/angle.h"
 #include "mesh/mesh.h"
 
 enum { MAX_SEGMENTS = 256, N_CORNERS = 8 };
@@ -25,7 +26,7 @@ static double quarter_sine(unsigned k, unsigned n)
 {
     if (k == 0) return 0;
     if (k == n) return 1;
-    return sin(1.57079632679489661923 * k / n);
+    return sin(0.5 * MEN_PI * k / n);
 }
 
 /* A point on the surface: on each axis the side (0 low, 1 high) and how far the direction leans to it, 0..1. */

@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include <stdlib.h>
 
+#include "base/angle.h"
 #include "mesh/topology.h"
 
 /* A sheet is a set of triangles joined by edges of exactly two. */
@@ -160,7 +161,7 @@ static double sheet_winding(const Mesh *mesh, const Sheets *sheets, uint32_t whi
         double angle = atan2(y, x);
         sum += sheets->turned[i] ? -angle : angle;
     }
-    return sum * 0.15915494309189535; /* 2 angle / (4 pi) */
+    return sum * (1 / (2 * MEN_PI)); /* 2 angle / (4 pi) */
 }
 
 /* Whether a sheet lies inside what the others enclose, judged in the middle of one of its triangles, which

@@ -5,9 +5,8 @@
 #include <math.h>
 #include <stdbool.h>
 
+#include "base/angle.h"
 #include "base/lanes.h"
-
-static const double pi = 3.14159265358979323846;
 
 /* Airy's argument: what is kept of it. On the dark side nothing is left at the end of it, on the other it is a sum of waves. */
 #define AIRY_DARK (-6.0)
@@ -30,13 +29,13 @@ static double refracted(double index, double incidence)
 /* By how much a ray is turned, not brought into 0 .. pi: [Hulst57] 12.2. */
 static double turning(double index, int p, double incidence)
 {
-    return (p - 1) * pi + 2 * incidence - 2 * p * refracted(index, incidence);
+    return (p - 1) * MEN_PI + 2 * incidence - 2 * p * refracted(index, incidence);
 }
 
 /* The steepest incidence that lets a ray in. */
 static double last_incidence(double index)
 {
-    return index < 1 ? asin(index) : pi / 2;
+    return index < 1 ? asin(index) : MEN_PI / 2;
 }
 
 /* The incidence of a ray that is turned by that much; false: none of the branch is. */
@@ -116,7 +115,7 @@ static bool find_bow(double index, int p, Bow *bow)
 /* Both rays that are turned by `off` more than at the bow; false: there is but the first, or none. *alone: the first. */
 static bool find_pair(const Bow *bow, double off, double angle, LargePair *pair, double alone[2])
 {
-    Branch steep = {bow->index, bow->p, 0, bow->incidence}, flat = {bow->index, bow->p, bow->incidence, pi / 2};
+    Branch steep = {bow->index, bow->p, 0, bow->incidence}, flat = {bow->index, bow->p, bow->incidence, MEN_PI / 2};
     double first, second, a[2], b[2] = {0, 0};
     alone[0] = alone[1] = 0;
     if (!find_incidence(&steep, bow->turning + off, &first)) return false;
@@ -159,7 +158,7 @@ static void add_chords(double index, int p, double angle, LargeRays *rays)
     const Branch whole = {index, p, 0, last_incidence(index)};
     for (int turns = -p; turns <= p; turns++) {
         for (int side = -1; side <= 1; side += 2) {
-            double turned = 2 * pi * turns + side * angle, incidence, a[2];
+            double turned = 2 * MEN_PI * turns + side * angle, incidence, a[2];
             if (bows) {
                 add_about_bow(&bow, turned, angle, rays);
             } else if (find_incidence(&whole, turned, &incidence)) {
@@ -172,8 +171,8 @@ static void add_chords(double index, int p, double angle, LargeRays *rays)
 
 void large_rays(double index, double angle, LargeRays *rays)
 {
-    angle = fmin(fmax(angle, 1e-5), pi - 1e-5); /* in the axis itself rings are points */
-    double incidence = 0.5 * (pi - angle), r[2] = {1, 1};
+    angle = fmin(fmax(angle, 1e-5), MEN_PI - 1e-5); /* in the axis itself rings are points */
+    double incidence = 0.5 * (MEN_PI - angle), r[2] = {1, 1};
     *rays = (LargeRays){0};
     if (incidence < last_incidence(index)) reflected(index, incidence, r);
     rays->plain = (float)(0.125 * (r[0] * r[0] + r[1] * r[1]));
@@ -264,7 +263,7 @@ static double pair_intensity(const LargeAiry *airy, const LargePair *pair, doubl
     double part = place - i;
     double value = (double)airy->value[i] + part * (double)(airy->value[i + 1] - airy->value[i]);
     double slope = (double)airy->slope[i] + part * (double)(airy->slope[i + 1] - airy->slope[i]);
-    return pi * (sum * third * value * value + difference / third * slope * slope);
+    return MEN_PI * (sum * third * value * value + difference / third * slope * slope);
 }
 
 float large_intensity(const LargeAiry *airy, const LargeRays *rays, double x, double spread, double angle,

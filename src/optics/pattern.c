@@ -4,9 +4,8 @@
 
 #include <stdlib.h>
 
+#include "base/angle.h"
 #include "base/hash.h"
-
-static const double pi = 3.14159265358979323846;
 
 double pattern_wave(PatternWave wave, double x)
 {
@@ -14,8 +13,8 @@ double pattern_wave(PatternWave wave, double x)
     switch (wave) {
     case WAVE_RAMP: break;
     case WAVE_TRIANGLE: return 1 - fabs(2 * t - 1);
-    case WAVE_SINE: return clamp_unit(0.5 - 0.5 * cos(2 * pi * t));
-    case WAVE_SCALLOP: return clamp_unit(fabs(sin(pi * t)));
+    case WAVE_SINE: return clamp_unit(0.5 - 0.5 * cos(2 * MEN_PI * t));
+    case WAVE_SCALLOP: return clamp_unit(fabs(sin(MEN_PI * t)));
     case WAVE_ONCE: return clamp_unit(x);
     }
     return t;
@@ -227,8 +226,8 @@ static double wave_integral(PatternWave wave, double x)
     switch (wave) {
     case WAVE_RAMP: break;
     case WAVE_TRIANGLE: return 0.5 * whole + (t < 0.5 ? t * t : 0.5 - (1 - t) * (1 - t));
-    case WAVE_SINE: return 0.5 * whole + 0.5 * t - sin(2 * pi * t) / (4 * pi);
-    case WAVE_SCALLOP: return (2 * whole + 1 - cos(pi * t)) / pi;
+    case WAVE_SINE: return 0.5 * whole + 0.5 * t - sin(2 * MEN_PI * t) / (4 * MEN_PI);
+    case WAVE_SCALLOP: return (2 * whole + 1 - cos(MEN_PI * t)) / MEN_PI;
     case WAVE_ONCE: return x < 0 ? 0 : x < 1 ? 0.5 * x * x : x - 0.5;
     }
     return 0.5 * (whole + t * t);
@@ -301,8 +300,9 @@ static void gradient(const Pattern *pattern, const PatternPlace *place, PatternP
     switch (pattern->shape) {
     case GRADIENT_LINEAR: break;
     case GRADIENT_RADIAL:
-        along = radius > 0 ? fraction(atan2(-p.z, p.x) / (2 * pi)) : 0;
-        width = radius > 0 ? fmin(width_along(place, vec3(-p.z / radius, 0, p.x / radius)) / (2 * pi * radius), 1) : 0;
+        along = radius > 0 ? fraction(atan2(-p.z, p.x) / (2 * MEN_PI)) : 0;
+        width =
+            radius > 0 ? fmin(width_along(place, vec3(-p.z / radius, 0, p.x / radius)) / (2 * MEN_PI * radius), 1) : 0;
         break;
     case GRADIENT_SPHERICAL:
         along = vec3_length(p);

@@ -7,9 +7,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { SIDE = 256, LARGEST_SAMPLES = 16 };
+#include "base/angle.h"
 
-static const double pi = 3.14159265358979323846;
+enum { SIDE = 256, LARGEST_SAMPLES = 16 };
 
 /* So much of the light counts as spread evenly over the half of space: what is between the samples of a texel, or nearly
  * black, is not left to chance. */
@@ -22,14 +22,14 @@ struct PortalMap {
 
 static Vec3 direction_at(double x, double z)
 {
-    double u = tan(pi * (x / SIDE - 0.5)), v = tan(pi * (z / SIDE - 0.5)), length = sqrt(1 + u * u + v * v);
+    double u = tan(MEN_PI * (x / SIDE - 0.5)), v = tan(MEN_PI * (z / SIDE - 0.5)), length = sqrt(1 + u * u + v * v);
     return vec3(u / length, -1 / length, v / length);
 }
 
 /* Solid angle over a unit square of texels. */
 static double stretch_at(Vec3 d)
 {
-    const double texel = pi / SIDE;
+    const double texel = MEN_PI / SIDE;
     return (1 - d.x * d.x) * (1 - d.z * d.z) / -d.y * texel * texel;
 }
 
@@ -111,7 +111,7 @@ static double sum_before(const PortalMap *map, double x, double z)
 
 static double texel_of(double slope)
 {
-    double at = SIDE * (atan(slope) / pi + 0.5);
+    double at = SIDE * (atan(slope) / MEN_PI + 0.5);
     return fmin(fmax(at, 0), SIDE);
 }
 

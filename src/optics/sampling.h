@@ -5,10 +5,11 @@
 #ifndef MEN_SAMPLING_H
 #define MEN_SAMPLING_H
 
+#include "base/angle.h"
 #include "base/lanes.h"
 #include "base/vec3.h"
 
-#define SAMPLING_PI 3.14159265358979323846f
+#define SAMPLING_PI ((float)MEN_PI)
 
 /* Two unit vectors that make a right-handed basis with the unit vector normal: T. Duff, J. Burgess,
  * P. Christensen, C. Hery, A. Kensler, M. Liani, R. Villemin, "Building an Orthonormal Basis,

@@ -5,11 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/angle.h"
 #include "optics/sky_field.h"
 
 enum { BANDS = AIR_BANDS, WIDTH = 256, HEIGHT = 128 };
 
-static const double pi = 3.14159265358979323846;
 static const double eye_height = 1e-3;
 
 typedef struct Sky {
@@ -25,7 +25,7 @@ static void fill_row(void *context, uint32_t row, unsigned worker)
     (void)worker;
     const Sky *sky = context;
     float *values = sky->values + (size_t)row * WIDTH * BANDS;
-    double polar = pi * (row + 0.5) / HEIGHT;
+    double polar = MEN_PI * (row + 0.5) / HEIGHT;
     Vec3 directions[WIDTH / 2];
     for (unsigned column = 0; column < WIDTH / 2; column++)
         directions[column] = environment_pixel_direction(WIDTH, HEIGHT, column, row);
@@ -38,8 +38,8 @@ static void fill_row(void *context, uint32_t row, unsigned worker)
 static void sum_upper(const float *values, double level[BANDS])
 {
     for (int row = 0; row < HEIGHT / 2; row++) {
-        double low = cos(pi * row / HEIGHT), high = cos(pi * (row + 1) / HEIGHT);
-        double projected = 0.5 * (low * low - high * high) * 2 * pi / WIDTH; /* cosine times solid angle */
+        double low = cos(MEN_PI * row / HEIGHT), high = cos(MEN_PI * (row + 1) / HEIGHT);
+        double projected = 0.5 * (low * low - high * high) * 2 * MEN_PI / WIDTH; /* cosine times solid angle */
         for (int i = 0; i < WIDTH * BANDS; i++)
             level[i % BANDS] += projected * (double)values[(size_t)row * WIDTH * BANDS + (size_t)i];
     }
@@ -48,7 +48,7 @@ static void sum_upper(const float *values, double level[BANDS])
 static void fill_lower(const float ground[BANDS], float *values, const double level[BANDS])
 {
     for (size_t i = (size_t)WIDTH * HEIGHT / 2; i < (size_t)WIDTH * HEIGHT; i++)
-        for (int k = 0; k < BANDS; k++) values[i * BANDS + (size_t)k] = ground[k] * (float)(level[k] / pi);
+        for (int k = 0; k < BANDS; k++) values[i * BANDS + (size_t)k] = ground[k] * (float)(level[k] / MEN_PI);
 }
 
 /* All of it, per irradiance of the sun above the air. */
@@ -70,7 +70,7 @@ static Status fill_picture(Sky *sky, const SkyModel *model, Error *error)
 
 Status sky_new(const SkyModel *model, Environment **environment, float sun[SPECTRUM_SAMPLES], Error *error)
 {
-    const double illuminance = 133.3 / 100 * pi; /* above the air, 100 klx counting as pi */
+    const double illuminance = 133.3 / 100 * MEN_PI; /* above the air, 100 klx counting as pi */
     Sky *sky = calloc(1, sizeof *sky);
     float *values = malloc((size_t)WIDTH * HEIGHT * BANDS * sizeof *values);
     Status status =
@@ -98,15 +98,16 @@ Status sky_new(const SkyModel *model, Environment **environment, float sun[SPECT
 Status sky_new_overcast(const SkyModel *model, Environment **environment, Error *error)
 {
     /* of level ground, 100 klx counting as pi; the gradient's mean under the cosine is 7/9 of the zenith's */
-    const double level = (0.3 + 21 * sin(model->elevation)) / 100 * pi * model->strength, zenith = level / pi * 9 / 7;
+    const double level = (0.3 + 21 * sin(model->elevation)) / 100 * MEN_PI * model->strength,
+                 zenith = level / MEN_PI * 9 / 7;
     float *values = malloc((size_t)WIDTH * HEIGHT * BANDS * sizeof *values), white[SPECTRUM_SAMPLES], ground[BANDS];
     if (!values) return fail_memory(error, (size_t)WIDTH * HEIGHT * BANDS * sizeof *values, "a sky");
     for (int i = 0; i < SPECTRUM_SAMPLES; i++)
         white[i] = lanes_get(white_at(lanes_all(SPECTRUM_MIN_NM + (float)(i * SPECTRUM_STEP_NM))), 0);
     for (int k = 0; k < BANDS; k++)
-        ground[k] = (float)(level / pi) * spectrum_at_one(model->ground, (float)air_band_nm(k));
+        ground[k] = (float)(level / MEN_PI) * spectrum_at_one(model->ground, (float)air_band_nm(k));
     for (int row = 0; row < HEIGHT; row++) {
-        float radiance = (float)(zenith * (1 + 2 * cos(pi * (row + 0.5) / HEIGHT)) / 3);
+        float radiance = (float)(zenith * (1 + 2 * cos(MEN_PI * (row + 0.5) / HEIGHT)) / 3);
         for (int i = 0; i < WIDTH * BANDS; i++)
             values[(size_t)row * WIDTH * BANDS + (size_t)i] = row < HEIGHT / 2 ? radiance : ground[i % BANDS];
     }

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/angle.h"
 #include "base/lanes.h"
 
 enum {
@@ -27,7 +28,6 @@ enum {
     PARTS = 4         /* of a cell, along each side, to take means over */
 };
 
-static const double pi = 3.14159265358979323846, degree = 3.14159265358979323846 / 180;
 static const double reach = 12;           /* of the suns, to both sides, in degrees */
 static const double dusk = 85, dark = 98; /* degrees from the vertical between which suns stand closer, ... */
 static const double closer = 4;           /* ... so many times as close */
@@ -92,7 +92,7 @@ static double cell_cosine(int polar)
 static double cell_solid_angle(int polar)
 {
     int i = polar % (POLAR / 2);
-    return (gauss_ends[i + 1] - gauss_ends[i]) * 2 * pi / AZIMUTHS;
+    return (gauss_ends[i + 1] - gauss_ends[i]) * 2 * MEN_PI / AZIMUTHS;
 }
 
 static Vec3 direction_at(double cosine, double azimuth)
@@ -103,13 +103,13 @@ static Vec3 direction_at(double cosine, double azimuth)
 
 static float rayleigh_phase(float cosine)
 {
-    return 3 / (16 * (float)pi) * (1 + cosine * cosine);
+    return 3 / (16 * (float)MEN_PI) * (1 + cosine * cosine);
 }
 
 static float aerosol_phase(float cosine)
 {
     float g = (float)air_aerosol_g, base = 1 + g * g - 2 * g * cosine;
-    return (1 - g * g) / (4 * (float)pi * base * sqrtf(base));
+    return (1 - g * g) / (4 * (float)MEN_PI * base * sqrtf(base));
 }
 
 /* Means over a cell, on both sides. */
@@ -124,7 +124,7 @@ static Phases phases_of_cell(int cell, Vec3 direction)
     for (int p = 0; p < PARTS; p++)
         for (int a = 0; a < 2 * PARTS; a++) {
             double cosine = gauss_ends[i] + (gauss_ends[i + 1] - gauss_ends[i]) * (p + 0.5) / PARTS;
-            double turn = pi / AZIMUTHS * (azimuth + (a / 2 + 0.5) / PARTS);
+            double turn = MEN_PI / AZIMUTHS * (azimuth + (a / 2 + 0.5) / PARTS);
             Vec3 part = direction_at(polar < POLAR / 2 ? -cosine : cosine, a % 2 ? turn : -turn);
             float toward = (float)vec3_dot(direction, part);
             sum.molecules += rayleigh_phase(toward) / (2 * PARTS * PARTS);
@@ -136,7 +136,7 @@ static Phases phases_of_cell(int cell, Vec3 direction)
 static void prepare_phases(SkyField *field)
 {
     for (int i = 0; i < LOOKED_UP; i++) {
-        Vec3 direction = direction_at(cos(pi * (i / AROUND) / (UP_DOWN - 1)), pi * (i % AROUND) / (AROUND - 1));
+        Vec3 direction = direction_at(cos(MEN_PI * (i / AROUND) / (UP_DOWN - 1)), MEN_PI * (i % AROUND) / (AROUND - 1));
         float molecules = 0, aerosol = 0;
         for (int cell = 0; cell < GATHERED; cell++) {
             Phases phases = phases_of_cell(cell, direction);
@@ -173,7 +173,7 @@ static double unwarped(double value)
 
 static double zenith_of(const SkyField *field, int sun)
 {
-    return unwarped(field->suns_first + sun * field->suns_step) * degree;
+    return unwarped(field->suns_first + sun * field->suns_step) * MEN_DEGREE;
 }
 
 static Between between(double at, int n)
@@ -184,7 +184,7 @@ static Between between(double at, int n)
 
 static Between between_suns(const SkyField *field, double sun_cosine)
 {
-    double angle = acos(fmin(fmax(sun_cosine, -1), 1)) / degree;
+    double angle = acos(fmin(fmax(sun_cosine, -1), 1)) / MEN_DEGREE;
     return between((warped(angle) - field->suns_first) / field->suns_step, field->n_suns);
 }
 
@@ -194,7 +194,7 @@ static void look_up(const SkyField *field, const Scattered *scattered, const Lin
 {
     double sines = sqrt(fmax((1 - cosine * cosine) * (1 - sun_cosine * sun_cosine), 1e-12));
     double azimuth = acos(fmin(fmax((toward - cosine * sun_cosine) / sines, -1), 1));
-    Between sun = between_suns(field, sun_cosine), around = between(azimuth / pi * (AROUND - 1), AROUND);
+    Between sun = between_suns(field, sun_cosine), around = between(azimuth / MEN_PI * (AROUND - 1), AROUND);
     for (int k = 0; k < BANDS / LANES; k++) values[k] = lanes_all(0);
     for (int corner = 0; corner < 8; corner++) {
         int h = corner & 1, s = corner >> 1 & 1, p = corner >> 2;
@@ -268,7 +268,7 @@ static void add_ground(const SkyField *field, Gather gather, double sun_cosine, 
     } else {
         return;
     }
-    for (int k = 0; k < BANDS; k++) radiance[k] += through[k] * light[k] * field->ground[k] / (float)pi;
+    for (int k = 0; k < BANDS; k++) radiance[k] += through[k] * light[k] * field->ground[k] / (float)MEN_PI;
 }
 
 static void make_line(const Air *air, double radius, double cosine, double precision, Line *line)
@@ -288,7 +288,7 @@ static void make_line(const Air *air, double radius, double cosine, double preci
         step->radius = here;
         step->height = between(cbrt(fmax(here - air_ground, 0) / (air_top - air_ground)) * (HEIGHTS - 1), HEIGHTS);
         double polar = acos(fmin(fmax((along + middle) / here, -1), 1));
-        step->polar = between(polar / pi * (UP_DOWN - 1), UP_DOWN);
+        step->polar = between(polar / MEN_PI * (UP_DOWN - 1), UP_DOWN);
         for (int k = 0; k < BANDS; k++) {
             float molecules = air->rayleigh[k] * density.rayleigh, aerosol = air->aerosol[k] * density.aerosol;
             float extinction = molecules + aerosol + air->ozone[k] * density.ozone + 1e-12f;
@@ -358,7 +358,7 @@ static void gather_place(void *context, uint32_t place, unsigned worker)
     Vec3 sun = direction_at(cos(zenith_of(field, (int)place % SUNS)), 0);
     for (int cell = 0; cell < GATHERED; cell++) {
         const Line *line = &field->lines[place / SUNS][cell / AZIMUTHS];
-        Vec3 direction = direction_at(line->cosine, pi * (cell % AZIMUTHS + 0.5) / AZIMUTHS);
+        Vec3 direction = direction_at(line->cosine, MEN_PI * (cell % AZIMUTHS + 0.5) / AZIMUTHS);
         Phases phases = order->gather == FIRST ? phases_of_cell(cell, sun) : (Phases){0, 0};
         gather_along(field, order->gather, line, sun.y, vec3_dot(direction, sun), phases, field->gathered[place][cell]);
     }
@@ -473,7 +473,7 @@ Status sky_field_new(const Air *air, const float ground[AIR_BANDS], double eleva
     }
     field->air = air;
     memcpy(field->ground, ground, sizeof field->ground);
-    double zenith = 90 - elevation_rad / degree;
+    double zenith = 90 - elevation_rad / MEN_DEGREE;
     field->suns_first = warped(fmax(zenith - reach, 0));
     field->n_suns = zenith + reach < dusk ? FEW_SUNS : SUNS;
     field->suns_step = (warped(zenith + reach) - field->suns_first) / (field->n_suns - 1);

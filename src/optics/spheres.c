@@ -7,10 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/angle.h"
 #include "optics/large_sphere.h"
 #include "optics/mie.h"
-
-static const double pi = 3.14159265358979323846;
 
 double spheres_water_index(double wavelength_nm)
 {
@@ -55,7 +54,7 @@ static void find_range(double variance, double range[2])
 static uint32_t make_bins(const Spheres *spheres, uint32_t wave, Bin bins[MOST_BINS], size_t *n_terms)
 {
     double variance = spheres->width * spheres->width, range[2];
-    double x_of_mean = pi * spheres->diameter_um * 1000 * spheres->around[wave] / phase_table_nm(wave);
+    double x_of_mean = MEN_PI * spheres->diameter_um * 1000 * spheres->around[wave] / phase_table_nm(wave);
     uint32_t n = 0;
     find_range(variance, range);
     *n_terms = 0;
@@ -78,16 +77,15 @@ static uint32_t make_bins(const Spheres *spheres, uint32_t wave, Bin bins[MOST_B
 /* Nodes are as close as rings, bows and the glory need; angles in radians from straight on. A list without room counts them. */
 static uint32_t make_angles(const Spheres *spheres, double *angles)
 {
-    const double degree = pi / 180;
-    double x = pi * spheres->diameter_um * 2; /* in the middle of the spectrum */
-    double ring = pi / x, bow = 0.25 * pow(x, -2.0 / 3), most = fmin(fmax(bow, 0.1 * degree), 0.5 * degree);
+    double x = MEN_PI * spheres->diameter_um * 2; /* in the middle of the spectrum */
+    double ring = MEN_PI / x, bow = 0.25 * pow(x, -2.0 / 3), most = fmin(fmax(bow, 0.1 * MEN_DEGREE), 0.5 * MEN_DEGREE);
     uint32_t n = 0;
-    for (double angle = 0; angle < pi - 0.035 * degree; n++) { /* closer to 1 floats are too coarse */
+    for (double angle = 0; angle < MEN_PI - 0.035 * MEN_DEGREE; n++) { /* closer to 1 floats are too coarse */
         if (angles) angles[n] = angle;
-        double ahead = fmax(0.03 * angle, 0.05 * ring), behind = fmax(0.03 * (pi - angle), 0.1 * ring);
-        angle += fmin(fmin(ahead, fmax(behind, 0.05 * degree)), most);
+        double ahead = fmax(0.03 * angle, 0.05 * ring), behind = fmax(0.03 * (MEN_PI - angle), 0.1 * ring);
+        angle += fmin(fmin(ahead, fmax(behind, 0.05 * MEN_DEGREE)), most);
     }
-    if (angles) angles[n] = pi;
+    if (angles) angles[n] = MEN_PI;
     return n + 1;
 }
 

@@ -2,10 +2,9 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "optics/surface_texture.h"
 
+#include "base/angle.h"
 #include "base/hash.h"
 #include "optics/color.h"
-
-static const double pi = 3.14159265358979323846;
 
 /* Wavelengths for textures of numbers, which do not depend on them. */
 static Lanes any_wavelength(void)
@@ -235,20 +234,20 @@ static TextureLook look_around(const Texture *texture, const LocalPlace *local)
     bool sphere = texture->projection == PROJECTION_SPHERICAL;
     Vec3 p = local->p;
     double r = sqrt(p.x * p.x + p.z * p.z), length = sphere ? vec3_length(p) : r;
-    TextureLook look = {.u = r > 0 ? atan2(p.z, -p.x) / (2 * pi) / texture->turns + 0.5 : 0.5, .v = p.y};
+    TextureLook look = {.u = r > 0 ? atan2(p.z, -p.x) / (2 * MEN_PI) / texture->turns + 0.5 : 0.5, .v = p.y};
     /* eastwards, and towards the north pole */
     Vec3 east = r > 0 ? vec3(-p.z / r, 0, p.x / r) : vec3(1, 0, 0), north = vec3(0, 1, 0);
     double width_v;
     if (sphere) {
         if (length > 0) north = vec3_scale(vec3_cross(p, east), 1 / length);
-        look.v = length > 0 ? 0.5 + asin(fmin(fmax(p.y / length, -1), 1)) / pi : 0.5;
-        width_v = length > 0 ? width_along(texture, local, north) / (pi * length) : 1;
+        look.v = length > 0 ? 0.5 + asin(fmin(fmax(p.y / length, -1), 1)) / MEN_PI : 0.5;
+        width_v = length > 0 ? width_along(texture, local, north) / (MEN_PI * length) : 1;
     } else {
         width_v = width_along(texture, local, north);
     }
     double along = width_along(texture, local, east);
     /* half of the circle, beside the axis */
-    double width_u = r * pi > along ? along / (2 * pi * r) : 0.5;
+    double width_u = r * MEN_PI > along ? along / (2 * MEN_PI * r) : 0.5;
     look.width_u = (float)(width_u / texture->turns);
     look.width_v = (float)width_v;
     return look;

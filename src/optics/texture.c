@@ -18,12 +18,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/angle.h"
 #include "base/attr.h"
 #include "optics/components.h"
 #include "optics/observer.h"
 #include "optics/sampling.h"
-
-static const double pi = 3.14159265358979323846;
 
 /* This share of a cell's density is spread evenly over it. It keeps the density well above zero where
  * the luminance comes near zero, and rounding in the look-ups would otherwise decide their ratio. */
@@ -96,7 +95,7 @@ static inline void fetch_corners(const Environment *environment, const Corners *
 
 Vec3 environment_pixel_direction(unsigned width, unsigned height, unsigned column, unsigned row)
 {
-    double turn = 2 * pi * ((column + 0.5) / width - 0.5), polar = pi * (row + 0.5) / height;
+    double turn = 2 * MEN_PI * ((column + 0.5) / width - 0.5), polar = MEN_PI * (row + 0.5) / height;
     return vec3(sin(polar) * sin(turn), cos(polar), -sin(polar) * cos(turn));
 }
 
@@ -106,7 +105,8 @@ static EnvironmentPlace place_of(const Environment *environment, Vec3f direction
     float radius = sqrtf(direction.x * direction.x + direction.z * direction.z);
     /* atan2 and not acos, which knows nothing near the poles */
     Lanes angles = lanes_atan2(lanes(radius, direction.x, 0, 0), lanes(direction.y, -direction.z, 1, 1));
-    float polar = lanes_get(angles, 0) * (float)(1 / pi), turn = 0.5f + lanes_get(angles, 1) * (float)(0.5 / pi);
+    float polar = lanes_get(angles, 0) * (float)(1 / MEN_PI),
+          turn = 0.5f + lanes_get(angles, 1) * (float)(0.5 / MEN_PI);
     float y = polar * height + 0.5f, x = turn * width - 0.5f;
     if (x < 0) x += width;
     if (!(x >= 0)) x = 0; /* no direction at all */
@@ -154,7 +154,7 @@ static float depth_by_solid_angle(const Environment *environment, unsigned row, 
 
 static float sphere_pdf(void)
 {
-    return (float)(1 / (4 * pi));
+    return (float)(1 / (4 * MEN_PI));
 }
 
 static float pdf_at(const Environment *environment, const EnvironmentPlace *place, const Corners *corners,
@@ -212,7 +212,8 @@ static float depth_in_row(const Environment *environment, unsigned row, float co
 {
     const RowTop *top = &environment->tops[row];
     float s = sine * top->cosine - cosine * top->sine, square = s * s;
-    float depth = s * (1 + square * (1.0f / 6 + square * (3.0f / 40))) * ((float)environment->height * (float)(1 / pi));
+    float depth =
+        s * (1 + square * (1.0f / 6 + square * (3.0f / 40))) * ((float)environment->height * (float)(1 / MEN_PI));
     return float_min(float_max(depth, 0), 1);
 }
 
@@ -374,7 +375,7 @@ Status environment_new_constant(const Spectrum *radiance, Environment **environm
     if (!made) return fail_memory(error, sizeof *made, "an environment");
     made->light = *radiance;
     made->has_light = true;
-    made->power = (float)(4 * pi * spectrum_luminance(radiance));
+    made->power = (float)(4 * MEN_PI * spectrum_luminance(radiance));
     *environment = made;
     return STATUS_OK;
 }
@@ -426,17 +427,17 @@ static void fill_tables(Environment *environment, double *sums, double *row_sums
 {
     unsigned width = environment->width, height = environment->height;
     for (unsigned row = 0; row <= height + 1; row++) {
-        double polar = row == 0 ? 0 : row > height ? pi : pi * (row - 0.5) / height, half = sin(0.5 * polar);
+        double polar = row == 0 ? 0 : row > height ? MEN_PI : MEN_PI * (row - 0.5) / height, half = sin(0.5 * polar);
         environment->edge[row] = half * half;
     }
     environment->edge[height + 1] = 1;
     for (unsigned row = 0; environment->tops && row <= height; row++) {
-        double top = pi * (row - 0.5) / height;
+        double top = MEN_PI * (row - 0.5) / height;
         environment->tops[row] = (RowTop){(float)cos(top), (float)sin(top)};
     }
     row_sums[0] = 0;
     for (unsigned row = 0; row <= height; row++) {
-        double solid_angle = 4 * pi * (environment->edge[row + 1] - environment->edge[row]) / width;
+        double solid_angle = 4 * MEN_PI * (environment->edge[row + 1] - environment->edge[row]) / width;
         sums[0] = 0;
         for (unsigned column = 0; column < width; column++) {
             Corners at = corners_of(environment, row, column);

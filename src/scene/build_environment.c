@@ -4,15 +4,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/angle.h"
 #include "base/hash.h"
 #include "lang/formula.h"
 #include "lang/schema_find.h"
 #include "optics/sky.h"
 #include "scene/build_parts.h"
 
-static const double pi = 3.14159265358979323846;
 static const double brightest_sky = 1e20;
-static const double degree = 3.14159265358979323846 / 180;
 
 /* Radiance must be a number, not negative, and far from the end of float's range. */
 static bool check_pixels(Builder *b, Span span, const char *name, const float *rgb, uint32_t width, uint32_t height)
@@ -118,7 +117,7 @@ typedef struct Panorama {
 static void pixel_inputs(const Panorama *panorama, uint32_t x, uint32_t y, double inputs[PROGRAM_INPUTS])
 {
     Vec3 d = environment_pixel_direction(panorama->width, panorama->height, x, y);
-    const double values[PROGRAM_INPUTS] = {d.x, d.y, d.z, -d.x, -d.y, -d.z, 0, 0, pi / panorama->height};
+    const double values[PROGRAM_INPUTS] = {d.x, d.y, d.z, -d.x, -d.y, -d.z, 0, 0, MEN_PI / panorama->height};
     memcpy(inputs, values, sizeof values);
 }
 
@@ -183,7 +182,7 @@ static void environment_from_function(Builder *b, const EvalNode *node, const Ev
 static void add_sun(Builder *b, const EvalNode *node, double elevation, const float *sun)
 {
     Scene *scene = b->scene;
-    double half_angle = 0.5 * BUILD_SUNS_ANGLE * degree, sine = sin(half_angle);
+    double half_angle = 0.5 * BUILD_SUNS_ANGLE * MEN_DEGREE, sine = sin(half_angle);
     SceneLight light = {.kind = LIGHT_DISTANT,
                         .span = build_author_place(b, node),
                         .object = SCENE_NONE,
@@ -192,7 +191,7 @@ static void add_sun(Builder *b, const EvalNode *node, double elevation, const fl
                         .to_world = affine_identity(),
                         .cos_angle = cos(half_angle)};
     float *table = ARENA_ARRAY(b->arena, float, SPECTRUM_SAMPLES);
-    for (int i = 0; i < SPECTRUM_SAMPLES; i++) table[i] = (float)((double)sun[i] / (pi * sine * sine));
+    for (int i = 0; i < SPECTRUM_SAMPLES; i++) table[i] = (float)((double)sun[i] / (MEN_PI * sine * sine));
     light.radiance = (Spectrum){.kind = SPECTRUM_TABLE, .scale = 1, .table = table};
     /* the environment's map is a rotation: its transpose turns back */
     light.towards = affine_normal(&scene->world_to_environment, vec3(0, sin(elevation), cos(elevation)));
@@ -204,9 +203,9 @@ static void environment_from_sky(Builder *b, const EvalNode *node)
 {
     Scene *scene = b->scene;
     Vec3 ground = eval_vector(node, "ground");
-    double rgb[3] = {ground.x, ground.y, ground.z}, azimuth = eval_number(node, "azimuth") * degree;
+    double rgb[3] = {ground.x, ground.y, ground.z}, azimuth = eval_number(node, "azimuth") * MEN_DEGREE;
     Spectrum albedo = spectrum_from_reflectance(rgb);
-    SkyModel model = {eval_number(node, "elevation") * degree, eval_number(node, "turbidity"), &albedo,
+    SkyModel model = {eval_number(node, "elevation") * MEN_DEGREE, eval_number(node, "turbidity"), &albedo,
                       eval_number(node, "strength"), b->options->pool};
     if (model.strength > brightest_sky) {
         diag_report(b->diag, D_VALUE_OUT_OF_RANGE, build_span(node, "strength"),
@@ -222,7 +221,7 @@ static void environment_from_sky(Builder *b, const EvalNode *node)
     if (overcast && model.elevation < 0) {
         diag_report(b->diag, D_VALUE_OUT_OF_RANGE, build_span(node, "elevation"),
                     "the sun is %g degrees below the horizon: an overcast sky has no twilight",
-                    -model.elevation / degree);
+                    -model.elevation / MEN_DEGREE);
         return;
     }
     Status status = overcast ? sky_new_overcast(&model, &scene->environment, &error)

@@ -4,13 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/angle.h"
 #include "lang/schema_find.h"
 #include "scene/build_parts.h"
 
-static const double pi = 3.14159265358979323846;
 static const double usual_spot = 45;     /* degrees */
 static const double least_angle = 0.001; /* degrees: the cosine is to tell it from none */
-static const double degree = 3.14159265358979323846 / 180;
 
 static Vec3 column(const Affine *map, int i)
 {
@@ -58,7 +57,7 @@ static void hint_at_power(Builder *b, Diagnostic *report, const LightShape *shap
     else
         diag_hint(b->diag, report, "intensity is of lights without a size: as bright %s is power = %g",
                   shape->kind == LIGHT_SPHERE ? "to all sides" : "along its axis, without an angle,",
-                  (shape->kind == LIGHT_SPHERE ? 4 * pi : pi) * intensity);
+                  (shape->kind == LIGHT_SPHERE ? 4 * MEN_PI : MEN_PI) * intensity);
 }
 
 /* What a light of that shape has in place of a property that it must not have. */
@@ -150,7 +149,7 @@ static double area_of(const SceneLight *light)
 {
     double w = light->half_width;
     if (light->kind == LIGHT_RECT || light->kind == LIGHT_PORTAL) return 4 * w * light->half_height;
-    return light->kind == LIGHT_DISC ? pi * w * w : 4 * pi * w * w;
+    return light->kind == LIGHT_DISC ? MEN_PI * w * w : 4 * MEN_PI * w * w;
 }
 
 /* Radiance per unit of colour. Power is in watts and lengths in metres, so that a light is as bright in
@@ -163,7 +162,7 @@ static double radiance_factor(const Builder *b, const EvalNode *node, const Scen
         /* the irradiance of a cone of constant radiance L is pi L sin^2; white under an irradiance of pi looks like 1
          */
         double sine = sin(half_angle);
-        return radiance ? radiance->as.number : (power ? power->as.number : pi) / (pi * sine * sine);
+        return radiance ? radiance->as.number : (power ? power->as.number : MEN_PI) / (MEN_PI * sine * sine);
     }
     if (light->kind == LIGHT_POINT) {
         const EvalProp *intensity = eval_prop(node, "intensity");
@@ -171,7 +170,7 @@ static double radiance_factor(const Builder *b, const EvalNode *node, const Scen
         return (power ? power->as.number / beam : intensity ? intensity->as.number : 1) / unit2;
     }
     double area_m2 = area_of(light) * b->scene->unit_m * b->scene->unit_m;
-    double steradians = light->kind == LIGHT_SPHERE ? pi : light_beam(light);
+    double steradians = light->kind == LIGHT_SPHERE ? MEN_PI : light_beam(light);
     return power ? power->as.number / (steradians * area_m2) : radiance ? radiance->as.number : 1;
 }
 
@@ -216,7 +215,7 @@ void build_add_light(Builder *b, const SceneLight *light)
 /* Of a spot, of a quad or a disc: it shines into a cone of so many degrees, from edge to edge. */
 static void set_cone(const EvalNode *node, SceneLight *light, double angle)
 {
-    double half_angle = angle / 2 * degree;
+    double half_angle = angle / 2 * MEN_DEGREE;
     light->cos_none = fmax(cos(half_angle), 0);
     light->cos_full = cos(half_angle * (1 - eval_number(node, "blend")));
 }
@@ -247,7 +246,7 @@ void build_light(Builder *b, const EvalNode *node, const Affine *to_world)
                     angle->as.number, least_angle);
         return;
     }
-    double half_angle = (angle ? angle->as.number : BUILD_SUNS_ANGLE) / 2 * degree;
+    double half_angle = (angle ? angle->as.number : BUILD_SUNS_ANGLE) / 2 * MEN_DEGREE;
     if (angle && light.kind != LIGHT_DISTANT) set_cone(node, &light, angle->as.number);
     light.to_world = rigid_frame(to_world, &frame);
     light.towards = vec3_scale(column(&light.to_world, 1), -1);

@@ -8,11 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/angle.h"
 #include "base/file.h"
 #include "mesh/mesh_file.h"
 #include "scene/build_parts.h"
-
-static const double degree = 3.14159265358979323846 / 180;
 
 static bool same_point(Vec3f a, Vec3f b)
 {
@@ -385,7 +384,8 @@ static bool make_normals(Builder *b, const EvalNode *node, uint32_t shape)
     SceneShape *row = &b->scene->shapes[shape];
     Error error;
     if (!crease) return true;
-    Status status = mesh_make_normals(row->mesh, row->mesh_end, crease->as.number * degree, b->options->pool, &error);
+    Status status =
+        mesh_make_normals(row->mesh, row->mesh_end, crease->as.number * MEN_DEGREE, b->options->pool, &error);
     return build_succeeded(b, status, &error, node->span);
 }
 

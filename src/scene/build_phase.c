@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/angle.h"
 #include "optics/spheres.h"
 #include "scene/build_parts.h"
 
@@ -166,7 +167,6 @@ static double measured_at(const Measured *rows, size_t *row, double degrees)
 static Phase measured_of(Builder *b, const EvalProp *prop)
 {
     enum { STEPS = 720 };
-    const double degree = 3.14159265358979323846 / 180;
     Measured rows;
     if (!build_pairs(b, prop, D_BAD_PHASE, "a row is an angle in degrees and a value", &rows.pairs, &rows.n) ||
         !check_measured(b, prop, &rows))
@@ -180,7 +180,7 @@ static Phase measured_of(Builder *b, const EvalProp *prop)
             degrees = rows.pairs[2 * next++];
         else
             step++;
-        s = pow(sin(0.5 * degrees * degree), 2);
+        s = pow(sin(0.5 * degrees * MEN_DEGREE), 2);
         if (n > 0 && !((float)s > table->nodes[n - 1])) continue;
         table->nodes[n] = (float)s;
         table->values[n++] = (float)measured_at(&rows, &row, degrees);

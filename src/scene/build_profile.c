@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/angle.h"
 #include "base/num.h"
 #include "scene/build_parts.h"
 
@@ -220,12 +221,12 @@ static bool read_both_angles(Reader *r, const Lamp *lamp, float *vertical, float
 static double tilt_of(const SceneLight *light)
 {
     double y = light->to_world.m[1][1];
-    return acos(fmin(fmax(-y, -1), 1)) * 180 / 3.14159265358979323846;
+    return acos(fmin(fmax(-y, -1), 1)) * 180 / MEN_PI;
 }
 
 static bool read_profile(Reader *r, SceneLight *light)
 {
-    const double lumens_per_watt = 683, degree = 3.14159265358979323846 / 180;
+    const double lumens_per_watt = 683;
     Arena *arena = r->b->arena;
     Lamp lamp = {0};
     double factor = 1, reach = 0;
@@ -248,7 +249,7 @@ static bool read_profile(Reader *r, SceneLight *light)
     LightProfile *profile = ARENA_NEW(arena, LightProfile);
     *profile = (LightProfile){lamp.type, vertical, horizontal, intensity, lamp.n_vertical, lamp.n_horizontal};
     light->profile = profile;
-    light->cos_none = lamp.type != PROFILE_C ? -1e-6 : reach < 180 ? cos(reach * degree) : -1;
+    light->cos_none = lamp.type != PROFILE_C ? -1e-6 : reach < 180 ? cos(reach * MEN_DEGREE) : -1;
     r->at = r->length;
     return shines || refuse(r, "all intensities are 0");
 }

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/angle.h"
 #include "optics/color.h"
 #include "optics/metal.h"
 #include "scene/build_parts.h"
@@ -295,7 +296,7 @@ static void finish_of(Builder *b, const EvalNode *node, SceneSurface *surface)
     }
     spec->thin_walled = surface->thin = eval_truth(node, "thin");
     surface->grain = grain_of(node);
-    surface->grain_angle = eval_number(node, "grain_angle") * (3.14159265358979323846 / 180);
+    surface->grain_angle = eval_number(node, "grain_angle") * MEN_DEGREE;
     surface->painted = eval_prop(node, "transmission") && !spec->thin_walled;
     surface->finished = ior || spec->base_metalness > 0 || spec->coat_weight > 0 || spec->base_diffuse_roughness > 0 ||
                         spec->thin_walled || spec->fuzz_weight > 0;

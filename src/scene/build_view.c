@@ -5,11 +5,10 @@
 #include <string.h>
 #include <strings.h>
 
+#include "base/angle.h"
 #include "base/file.h"
 #include "scene/build_parts.h"
 #include "scene/iris.h"
-
-static const double degree = 3.14159265358979323846 / 180;
 
 static void expectation(Builder *b, const EvalNode *node, SceneCamera *camera)
 {
@@ -77,7 +76,8 @@ static void iris(Builder *b, const EvalNode *node, SceneCamera *camera)
                       .rotation = eval_number(node, "blade_rotation"),
                       .roundness = eval_number(node, "blade_roundness")};
     if (camera->lens_radius == 0 || made.roundness == 1) return;
-    made.corners = iris_corners(b->arena, made.blades, fmod(made.rotation, 360) * degree, made.roundness, &made.n_corners);
+    made.corners =
+        iris_corners(b->arena, made.blades, fmod(made.rotation, 360) * MEN_DEGREE, made.roundness, &made.n_corners);
     camera->lens_reach = camera->lens_radius * iris_reach(made.corners, made.n_corners);
     camera->iris = made;
 }
@@ -134,7 +134,7 @@ static bool measure_orthographic(Builder *b, const EvalNode *node, double scale,
         double distance = vec3_length(vec3_sub(eval_vector(node, "to"), eval_vector(node, "from")));
         double fov = angle_of_view(node, PROJECTION_PERSPECTIVE);
         diag_hint(b->diag, report, "write: width = %.3g, which is seen across the picture%s",
-                  2 * distance * (fov < 180 ? tan(fov / 2 * degree) : 1),
+                  2 * distance * (fov < 180 ? tan(fov / 2 * MEN_DEGREE) : 1),
                   eval_prop(node, "fov") ? ", as by this fov where 'to' is" : "");
         return false;
     }
@@ -157,7 +157,7 @@ static bool measure_angle(Builder *b, const EvalNode *node, SceneCamera *camera)
             fov);
         return false;
     }
-    camera->half_width = perspective ? tan(fov / 2 * degree) : fov / 2 * degree;
+    camera->half_width = perspective ? tan(fov / 2 * MEN_DEGREE) : fov / 2 * MEN_DEGREE;
     if (!perspective && camera->lens_radius > 0) {
         has_no_use(b, node, "aperture", camera);
         return false;

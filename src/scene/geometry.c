@@ -7,6 +7,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "scene/geometry.h"
 
+#include "base/angle.h"
 #include "base/array.h"
 #include "base/hash.h"
 #include "scene/build_parts.h"
@@ -371,8 +372,8 @@ static Status random_line(Geometry *geometry, const Asked *asked, uint64_t *h, V
 {
     Vec3 half = vec3_scale(vec3_sub(asked->bounds.max, asked->bounds.min), 0.5);
     double radius = vec3_length(half) * (1 + 1e-6);
-    double y = 2 * next_unit(h) - 1, turn = 6.283185307179586 * next_unit(h), ring = sqrt(fmax(0, 1 - y * y));
-    double off = radius * sqrt(next_unit(h)), at = 6.283185307179586 * next_unit(h);
+    double y = 2 * next_unit(h) - 1, turn = 2 * MEN_PI * next_unit(h), ring = sqrt(fmax(0, 1 - y * y));
+    double off = radius * sqrt(next_unit(h)), at = 2 * MEN_PI * next_unit(h);
     *direction = vec3(ring * cos(turn), y, ring * sin(turn));
     Affine frame = build_frame(vec3_add(asked->bounds.min, half), *direction);
     *start = affine_point(&frame, vec3(off * cos(at), -2 * radius, off * sin(at)));

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-static const double pi = 3.14159265358979323846;
+#include "base/angle.h"
 
 /* How far chords may be from an arc, of the radius. */
 #define CHORD_TOLERANCE 1e-4
@@ -37,7 +37,7 @@ static EdgePoint edge_next(const BladeEdge *edge, const EdgePoint *from, double 
 static double equal_area(const BladeEdge *edge, uint32_t n)
 {
     const EdgePoint first = edge_at(edge, -edge->half);
-    double low = 0, high = pi / n; /* a sector of the circle through the corners is more */
+    double low = 0, high = MEN_PI / n; /* a sector of the circle through the corners is more */
     for (int step = 0; step < 100; step++) {
         double area = 0.5 * (low + high);
         EdgePoint at = first;
@@ -53,7 +53,7 @@ static double equal_area(const BladeEdge *edge, uint32_t n)
 
 const float *iris_corners(Arena *arena, uint32_t blades, double rotation, double roundness, uint32_t *n)
 {
-    double half = pi / blades, across = sin(half), bulge = roundness * (1 - cos(half));
+    double half = MEN_PI / blades, across = sin(half), bulge = roundness * (1 - cos(half));
     uint32_t chords = (uint32_t)fmax(ceil(sqrt(bulge / CHORD_TOLERANCE)), 1);
     BladeEdge edge = {0};
     double area = 0.5 * sin(2 * half);
@@ -65,11 +65,11 @@ const float *iris_corners(Arena *arena, uint32_t blades, double rotation, double
     }
     *n = blades * chords;
     float *corners = ARENA_ARRAY(arena, float, 2 * *n);
-    double size = sqrt(pi / (*n * area));
+    double size = sqrt(MEN_PI / (*n * area));
     EdgePoint at = {-edge.half, cos(half), -across};
     for (uint32_t k = 0; k < chords; k++) {
         for (uint32_t blade = 0; blade < blades; blade++) {
-            double turn = rotation + (2 * blade + 1) * half + 0.5 * pi, c = cos(turn), s = sin(turn);
+            double turn = rotation + (2 * blade + 1) * half + 0.5 * MEN_PI, c = cos(turn), s = sin(turn);
             float *corner = corners + 2 * (blade * chords + k);
             corner[0] = (float)(size * (c * at.x - s * at.y));
             corner[1] = (float)(size * (s * at.x + c * at.y));

@@ -2,12 +2,12 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include <stdlib.h>
 
+#include "base/angle.h"
 #include "base/array.h"
 #include "mesh/box_pairs.h"
 #include "scene/relation_parts.h"
 
 enum { SIFTED_AT_ONCE = 1 << 16 }; /* candidates: of millions few are left to be judged along lines */
-static const double pi = 3.14159265358979323846;
 
 /* A hull that is a ball in the world: its radius, else 0. */
 static double sphere_radius(const SceneShape *shape, const Affine *map)
@@ -45,16 +45,16 @@ static HullPair judge_spheres(const Finder *f, uint32_t a, uint32_t b)
     bool a_small = f->radius[a] < f->radius[b];
     pair.touches = fabs(d - (small + large)) <= rounding || fabs(d + small - large) <= rounding;
     pair.overlaps = d < small + large - rounding;
-    if (d <= rounding && large - small <= rounding) pair.contact_area = 4 * pi * small * small;
+    if (d <= rounding && large - small <= rounding) pair.contact_area = 4 * MEN_PI * small * small;
     if (!pair.overlaps) return pair;
     if (d + small <= large + rounding) {
         pair.relation = small == large ? NEST_PARTIAL : a_small ? NEST_A_IN_B : NEST_B_IN_A;
-        pair.overlap_volume = 4 * pi / 3 * small * small * small;
+        pair.overlap_volume = 4 * MEN_PI / 3 * small * small * small;
     } else { /* a lens of two caps */
         double depth = small + large - d;
         pair.overlap_depth = depth;
-        pair.overlap_volume =
-            pi * depth * depth * (d * d + 2 * d * (small + large) - 3 * (large - small) * (large - small)) / (12 * d);
+        pair.overlap_volume = MEN_PI * depth * depth *
+                              (d * d + 2 * d * (small + large) - 3 * (large - small) * (large - small)) / (12 * d);
     }
     return pair;
 }

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+
 void scene_free(Scene *scene)
 {
     if (!scene) return;

@@ -4,6 +4,8 @@
 
 #include <math.h>
 
+#include "base/angle.h"
+
 /* The angle about the axis as one of those that the profile has. */
 static double fold(const LightProfile *profile, double angle)
 {
@@ -37,10 +39,9 @@ static uint32_t find_interval(const float *values, uint32_t n, double x, double 
 /* The two angles of a direction, in degrees; false where a lamp of this type is dark. */
 static bool profile_angles(ProfileType type, Vec3 direction, double *vertical, double *horizontal)
 {
-    const double degree = 3.14159265358979323846 / 180;
     if (type == PROFILE_C) {
-        *vertical = atan2(hypot(direction.x, direction.z), direction.y) / degree;
-        *horizontal = atan2(direction.z, direction.x) / degree;
+        *vertical = atan2(hypot(direction.x, direction.z), direction.y) / MEN_DEGREE;
+        *horizontal = atan2(direction.z, direction.x) / MEN_DEGREE;
         if (*horizontal < 0) *horizontal += 360;
         return true;
     }
@@ -48,8 +49,8 @@ static bool profile_angles(ProfileType type, Vec3 direction, double *vertical, d
     Vec3 d = direction;
     double right = -d.x, up = -d.z;
     if (d.y < 0) return false;
-    *vertical = (type == PROFILE_B ? atan2(up, d.y) : atan2(up, hypot(right, d.y))) / degree;
-    *horizontal = (type == PROFILE_B ? atan2(right, hypot(up, d.y)) : atan2(right, d.y)) / degree;
+    *vertical = (type == PROFILE_B ? atan2(up, d.y) : atan2(up, hypot(right, d.y))) / MEN_DEGREE;
+    *horizontal = (type == PROFILE_B ? atan2(right, hypot(up, d.y)) : atan2(right, d.y)) / MEN_DEGREE;
     return true;
 }
 
@@ -82,18 +83,17 @@ float light_shape(const SceneLight *light, Vec3 direction)
 double light_beam(const SceneLight *light)
 {
     enum { DOWN = 360, ACROSS = 180 };
-    const double pi = 3.14159265358979323846;
     double sum = 0;
     for (int i = 0; light->profile && i < DOWN; i++) {
-        double low = cos(pi * i / DOWN), high = cos(pi * (i + 1) / DOWN), y = cos(pi * (i + 0.5) / DOWN),
+        double low = cos(MEN_PI * i / DOWN), high = cos(MEN_PI * (i + 1) / DOWN), y = cos(MEN_PI * (i + 0.5) / DOWN),
                r = sqrt(1 - y * y);
         for (int k = 0; k < ACROSS; k++) {
-            double turn = 2 * pi * (k + 0.5) / ACROSS;
-            sum += (low - high) * 2 * pi / ACROSS * profile_at(light->profile, vec3(r * cos(turn), y, r * sin(turn)));
+            double turn = 2 * MEN_PI * (k + 0.5) / ACROSS;
+            sum += (low - high) * 2 * MEN_PI / ACROSS * profile_at(light->profile, vec3(r * cos(turn), y, r * sin(turn)));
         }
     }
     if (light->profile) return sum;
     double full = light->cos_full, none = light->cos_none, fade = full - none;
-    if (light->kind == LIGHT_POINT) return 2 * pi * (1 - 0.5 * (full + none)); /* the smooth step's mean is 1/2, */
-    return pi * (1 - full * full) + 2 * pi * fade * (0.5 * none + 0.35 * fade); /* and times its place it is 0.35 */
+    if (light->kind == LIGHT_POINT) return 2 * MEN_PI * (1 - 0.5 * (full + none)); /* the smooth step's mean is 1/2, */
+    return MEN_PI * (1 - full * full) + 2 * MEN_PI * fade * (0.5 * none + 0.35 * fade); /* and times its place it is 0.35 */
 }

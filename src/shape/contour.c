@@ -5,9 +5,9 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/angle.h"
 #include "shape/smooth.h"
 
-static const double degree = 3.14159265358979323846 / 180;
 enum { MAX_STEPS = 4096, DEGREES_PER_STEP = 5 };
 
 static Point2 mixed(Point2 a, Point2 b, double t)
@@ -71,7 +71,7 @@ static unsigned cubic_steps(const Point2 p[4], double tolerance)
     Point2 second = direction(p[1], p[2], along), third = direction(p[2], p[3], second);
     double turning = turn(along, second) + turn(second, third);
     /* a chord of a curve with a second derivative of at most 6 bend, over a step of 1 / n, is off by 6 bend / 8 n^2 */
-    double n = fmax(sqrt(0.75 * bend / tolerance), turning / (DEGREES_PER_STEP * degree));
+    double n = fmax(sqrt(0.75 * bend / tolerance), turning / (DEGREES_PER_STEP * MEN_DEGREE));
     return n < 1 ? 1 : n > MAX_STEPS ? MAX_STEPS : (unsigned)ceil(n);
 }
 
@@ -98,7 +98,7 @@ void pen_end(Pen *pen)
     outline->points[pen->first].arrive = pen->arrive;
     for (size_t i = pen->first; i < outline->n_points; i++) {
         OutlinePoint2 *point = &outline->points[i];
-        if (turn(point->arrive, point->leave) > pen->smooth_degrees * degree) continue;
+        if (turn(point->arrive, point->leave) > pen->smooth_degrees * MEN_DEGREE) continue;
         Point2 sum = {point->arrive.x + point->leave.x, point->arrive.y + point->leave.y};
         point->arrive = point->leave = direction((Point2){0, 0}, sum, point->leave);
     }

@@ -7,9 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/angle.h"
 #include "shape/outline.h"
-
-static const double degree = 3.14159265358979323846 / 180;
 
 enum { MAX_POINTS = 100000 };
 
@@ -106,7 +105,7 @@ static Status measure_roundings(Corner *corners, uint32_t n, Error *error)
         if (!corner_directions(corners, n, i, &in, &out)) continue;
         double angle = fabs(dir2_turn(in, out));
         bool tip = on_axis(&corners[(i + n - 1) % n], corner) || on_axis(corner, &corners[(i + 1) % n]);
-        if (!tip && angle > 179.999999 * degree)
+        if (!tip && angle > 179.999999 * MEN_DEGREE)
             return fail(error, STATUS_SCENE, "the profile turns back on itself at profile[%u] = <%g, %g>",
                         corner->source, corner->r, corner->y);
         if (corner->round == 0 || angle < 1e-9) continue;

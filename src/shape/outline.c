@@ -4,10 +4,8 @@
 
 #include <stdlib.h>
 
+#include "base/angle.h"
 #include "base/array.h"
-
-static const double pi = 3.14159265358979323846;
-static const double degree = 3.14159265358979323846 / 180;
 
 enum {
     MAX_TESTS = 1000000000, /* box tests in the search for crossings */
@@ -44,7 +42,7 @@ static bool add_monotonic_arc(Outline *outline, Dir2 start, Dir2 centre, double 
     if (outline->n_arcs == 0) outline->arcs[outline->n_arcs++] = (Arc){{0, 0}, false};
     uint32_t arc = (uint32_t)outline->n_arcs;
     outline->arcs[outline->n_arcs++] = (Arc){centre, side * cos(angle + 0.5 * turned) > 0};
-    unsigned steps = (unsigned)ceil(fabs(turned) / (ARC_STEP_DEGREES * degree) - 1e-9);
+    unsigned steps = (unsigned)ceil(fabs(turned) / (ARC_STEP_DEGREES * MEN_DEGREE) - 1e-9);
     if (steps == 0) steps = 1;
     for (unsigned k = 0; k < steps; k++) {
         Dir2 normal = {cos(angle + turned * k / steps), sin(angle + turned * k / steps)};
@@ -64,8 +62,8 @@ bool outline_add_arc(Outline *outline, Dir2 start, Dir2 centre, double side, dou
 {
     double sense = turned > 0 ? 1 : -1, end = from + turned;
     for (double at = from; at != end;) { /* cut where it turns between up and down */
-        double quarters = (at / pi - 0.5) * sense;
-        double next = (floor(quarters + 1e-9) + 1) * sense * pi + 0.5 * pi;
+        double quarters = (at / MEN_PI - 0.5) * sense;
+        double next = (floor(quarters + 1e-9) + 1) * sense * MEN_PI + 0.5 * MEN_PI;
         if (fabs(next - from) > fabs(turned) - 1e-9) next = end;
         if (!add_monotonic_arc(outline, start, centre, side, at, next - at, source)) return false;
         start = (Dir2){fmax(centre.r, 0), centre.y + side * sin(next)};
@@ -113,7 +111,7 @@ static Dir2 edge_direction(const Outline *outline, size_t i)
 /* Fills the normals that no arc has given. */
 static void set_normals(Outline *outline, bool smooth_all)
 {
-    const double limit = cos(40 * degree);
+    const double limit = cos(40 * MEN_DEGREE);
     for (size_t i = 0; i < outline->n; i++) {
         OutlinePoint *point = &outline->points[i];
         size_t edge_in = (i + outline->n - 1) % outline->n;

@@ -18,6 +18,7 @@
 #include <math.h>
 #include <stdbool.h>
 
+#include "base/angle.h"
 #include "shape/tube.h"
 
 /* The least cosine between a direction and the normal that piece_normal returns (tubes apart): far below what float can
@@ -411,7 +412,7 @@ static double band_fraction(const Piece *piece, double r, double y)
     return clamp_unit(((r - piece->r0) * er + (y - piece->y0) * ey) / (er * er + ey * ey));
 }
 
-static const double turns_per_radian = 0.15915494309189535; /* 1 / (2 pi) */
+static const double turns_per_radian = 1 / (2 * MEN_PI);
 
 /* The angle from x towards y, as a fraction of a turn in [0, 1). */
 static double turn_fraction(double x, double y)
@@ -433,7 +434,7 @@ static double arc_angle(const Piece *piece, double r, double y)
     double r0 = piece->r0 - piece->centre_r, y0 = piece->y0 - piece->centre_y;
     double r1 = r - piece->centre_r, y1 = y - piece->centre_y;
     double angle = arc_side(piece) * atan2(r0 * y1 - y0 * r1, r0 * r1 + y0 * y1);
-    return angle < -1.5707963267948966 ? angle + 6.283185307179586 : angle;
+    return angle < -0.5 * MEN_PI ? angle + 2 * MEN_PI : angle;
 }
 
 /* How far along an arc, 0..1, a point in the half plane is. */
@@ -453,7 +454,7 @@ void piece_surface(const Piece *piece, Vec3 org, Vec3 dir, double t, PieceRoot *
     switch (piece->kind) {
     case PIECE_SPHERE:
         root->u = turn_about_axis(p);
-        root->v = acos(fmin(fmax(-p.y / vec3_length(p), -1), 1)) * 0.3183098861837907; /* 1 / pi */
+        root->v = acos(fmin(fmax(-p.y / vec3_length(p), -1), 1)) * (1 / MEN_PI);
         break;
     case PIECE_BAND: {
         double s = band_fraction(piece, sqrt(p.x * p.x + p.z * p.z), p.y);

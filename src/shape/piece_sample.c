@@ -5,7 +5,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "shape/piece.h"
 
-static const double pi = 3.14159265358979323846;
+#include "base/angle.h"
 
 /* A circle's arc in the half plane: about (r, y), from one angle to a larger one. */
 typedef struct Arc {
@@ -17,14 +17,14 @@ static Arc arc_of(const Piece *piece)
 {
     if (piece->kind == PIECE_TORUS) {
         /* one that reaches over the axis ends there */
-        double end = piece->r1 > piece->r0 ? acos(-piece->r0 / piece->r1) : pi;
+        double end = piece->r1 > piece->r0 ? acos(-piece->r0 / piece->r1) : MEN_PI;
         return (Arc){piece->r0, 0, piece->r1, -end, end, 1};
     }
     bool outer = piece->kind == PIECE_OUTER_ARC, up = piece->y1 > piece->y0;
     double r = piece->centre_r, y = piece->centre_y;
     double a = atan2(piece->y0 - y, piece->r0 - r), b = atan2(piece->y1 - y, piece->r1 - r);
-    if (!outer && a < 0) a += 2 * pi;
-    if (!outer && b < 0) b += 2 * pi;
+    if (!outer && a < 0) a += 2 * MEN_PI;
+    if (!outer && b < 0) b += 2 * MEN_PI;
     return (Arc){r, y, hypot(piece->r0 - r, piece->y0 - y), fmin(a, b), fmax(a, b), outer == up ? 1 : -1};
 }
 
@@ -38,11 +38,11 @@ double piece_area(const Piece *piece)
 {
     Arc arc;
     switch (piece->kind) {
-    case PIECE_SPHERE: return 4 * pi * piece->r0 * piece->r0;
-    case PIECE_BAND: return pi * (piece->r0 + piece->r1) * hypot(piece->r1 - piece->r0, piece->y1 - piece->y0);
+    case PIECE_SPHERE: return 4 * MEN_PI * piece->r0 * piece->r0;
+    case PIECE_BAND: return MEN_PI * (piece->r0 + piece->r1) * hypot(piece->r1 - piece->r0, piece->y1 - piece->y0);
     case PIECE_RECT: return 4 * piece->r0 * piece->r1;
     case PIECE_PLANE: return 0;
-    default: arc = arc_of(piece); return 2 * pi * arc.radius * (arc_sum(&arc, arc.to) - arc_sum(&arc, arc.from));
+    default: arc = arc_of(piece); return 2 * MEN_PI * arc.radius * (arc_sum(&arc, arc.to) - arc_sum(&arc, arc.from));
     }
 }
 
@@ -92,7 +92,7 @@ Vec3 piece_sample(const Piece *piece, double u, double v, Vec3 *normal)
         normal_r = arc.side * cosine;
         normal_y = arc.side * sine;
     }
-    double cosine = cos(2 * pi * v), sine = sin(2 * pi * v);
+    double cosine = cos(2 * MEN_PI * v), sine = sin(2 * MEN_PI * v);
     *normal = vec3(normal_r * cosine, normal_y, normal_r * sine);
     return vec3(r * cosine, y, r * sine);
 }

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/angle.h"
 #include "base/array.h"
 #include "shape/polygon_sweep.h"
 
@@ -405,7 +406,7 @@ static size_t next_edge(const Edges *edges, const bool *used, const Edge *before
         if (used[i]) continue;
         const Edge *e = &edges->items[i];
         double angle = back - atan2(e->to.y - e->from.y, e->to.x - e->from.x);
-        if (angle <= 0) angle += 6.28318530717958647692;
+        if (angle <= 0) angle += 2 * MEN_PI;
         if (best != SIZE_MAX && angle >= best_angle) continue;
         best = i;
         best_angle = angle;

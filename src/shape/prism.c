@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/angle.h"
 #include "shape/meshed.h"
 
 /* A copy of the outline: its height, how far it is moved inward, its scale, and how its normals lean: sine is their
@@ -188,7 +189,7 @@ static void add_bevel(const PrismMaker *maker, double wall, double height, doubl
     unsigned n = shape->bevel_segments;
     Ring before = {0};
     for (unsigned k = 0; k <= n; k++) {
-        double angle = 1.57079632679489661923 * k / n;
+        double angle = 0.5 * MEN_PI * k / n;
         double c = k == n ? 0 : cos(angle), s = k == n ? 1 : sin(angle);
         Ring ring = {height - up * shape->bevel * (1 - s), k == n ? shape->bevel : shape->bevel * (1 - c), 1, c,
                      up * s};

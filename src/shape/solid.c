@@ -3,9 +3,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/angle.h"
 #include "shape/piece.h"
-
-static const double pi = 3.14159265358979323846;
 
 void solid_free(Solid *solid)
 {
@@ -67,11 +66,11 @@ double piece_volume(const Piece *piece)
     double r0 = piece->r0;
     double r1 = piece->r1;
     if (piece->kind == PIECE_BAND)
-        return pi / 3 * (r0 * r0 + r0 * r1 + r1 * r1) * (piece->y1 - piece->y0); /* a frustum */
+        return MEN_PI / 3 * (r0 * r0 + r0 * r1 + r1 * r1) * (piece->y1 - piece->y0); /* a frustum */
     double c = piece->centre_r, side = piece->kind == PIECE_OUTER_ARC ? 1 : -1;
     double s0 = fabs(r0 - c), h0 = piece->y0 - piece->centre_y;
     double s1 = fabs(r1 - c), h1 = piece->y1 - piece->centre_y, squared = s0 * s0 + h0 * h0;
-    return pi * (arc_integral(c, side, squared, s1, h1) - arc_integral(c, side, squared, s0, h0));
+    return MEN_PI * (arc_integral(c, side, squared, s1, h1) - arc_integral(c, side, squared, s0, h0));
 }
 
 Status solid_make_sphere(double radius, Solid **solid, Error *error)
@@ -80,7 +79,7 @@ Status solid_make_sphere(double radius, Solid **solid, Error *error)
         return fail(error, STATUS_SCENE, "a sphere's radius must be greater than 0 and at most 1e15; it is %g", radius);
     TRY(solid_new(1, solid, error));
     (*solid)->pieces[0] = (Piece){.kind = PIECE_SPHERE, .r0 = radius};
-    (*solid)->volume = 4 * pi / 3 * radius * radius * radius;
+    (*solid)->volume = 4 * MEN_PI / 3 * radius * radius * radius;
     return STATUS_OK;
 }
 
@@ -92,7 +91,7 @@ Status solid_make_torus(double radius, double tube, Solid **solid, Error *error)
     TRY(solid_new(1, solid, error));
     (*solid)->pieces[0] = (Piece){.kind = PIECE_TORUS, .r0 = radius, .r1 = tube};
     if (tube <= radius) {
-        (*solid)->volume = 2 * pi * pi * radius * tube * tube;
+        (*solid)->volume = 2 * MEN_PI * MEN_PI * radius * tube * tube;
         return STATUS_OK;
     }
     /* the outer half, less the dimples at both poles */
@@ -117,17 +116,17 @@ Status solid_make_capsule(double radius, double height, Solid **solid, Error *er
     pieces[0] = make_zone(0, 0, -radius, radius, 0);
     pieces[1] = piece_make_band(radius, 0, radius, height);
     pieces[2] = make_zone(height, radius, height, 0, height + radius);
-    double cap = pi / 2 * radius, whole = 2 * cap + height;
+    double cap = MEN_PI / 2 * radius, whole = 2 * cap + height;
     pieces[0].v1 = pieces[1].v0 = (float)(cap / whole);
     pieces[1].v1 = pieces[2].v0 = (float)((cap + height) / whole);
-    (*solid)->volume = pi * radius * radius * (4.0 / 3 * radius + height);
+    (*solid)->volume = MEN_PI * radius * radius * (4.0 / 3 * radius + height);
     return STATUS_OK;
 }
 
 double solid_cone_rounding(double radius0, double radius1, double height)
 {
     /* an arc takes its radius times the tangent of half the turn off both edges, at a tip of the whole turn */
-    double turn0 = atan2(height, radius1 - radius0), turn1 = pi - turn0;
+    double turn0 = atan2(height, radius1 - radius0), turn1 = MEN_PI - turn0;
     double part0 = tan(radius0 > 0 ? turn0 / 2 : turn0), part1 = tan(radius1 > 0 ? turn1 / 2 : turn1);
     double limit = hypot(radius1 - radius0, height) / (part0 + part1);
     if (radius0 > 0) limit = fmin(limit, radius0 / part0);

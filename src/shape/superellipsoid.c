@@ -6,11 +6,12 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/angle.h"
 #include "base/array.h"
 #include "shape/meshed.h"
 
 enum { MAX_DEPTH = 24, MAX_POINTS = 4096 };
-static const double right_angle = 1.57079632679489661923;
+static const double right_angle = 0.5 * MEN_PI;
 static const double largest_turn = 0.07; /* radians from chord to chord: 4 degrees */
 static const double shortest_chord = 1e-4;
 

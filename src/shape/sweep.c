@@ -6,11 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/angle.h"
 #include "base/array.h"
 #include "shape/meshed.h"
 #include "shape/smooth.h"
 
-static const double degree = 3.14159265358979323846 / 180;
 /* How far a side is bent, of its length. */
 #define HOLLOW 1e-5
 enum { MAX_STATIONS = 4000000, MAX_STEPS = 100000, DEGREES_PER_STEP = 5, MAX_CIRCLE = 2048, MIN_CIRCLE = 24 };
@@ -156,7 +156,7 @@ static double twist_step(const SweepShape *shape)
 {
     double reach = outline_reach(shape), largest = 0;
     for (size_t i = 0; i < shape->n_scales; i++) largest = fmax(largest, shape->scales[i]);
-    return fmin(DEGREES_PER_STEP, sqrt(8 * shape->tolerance / (reach * largest)) / degree);
+    return fmin(DEGREES_PER_STEP, sqrt(8 * shape->tolerance / (reach * largest)) / MEN_DEGREE);
 }
 
 /* The place at t on a side from a to b, in front of its middle: to the left, where the inside is. */
@@ -172,7 +172,7 @@ static Point2 in_front(Point2 a, Point2 b, double t)
 static Status cut_sides(const SweepShape *shape, Outline2 *cut, Outline2 *hollow, Error *error)
 {
     const Outline2 *outline = shape->outline;
-    double largest = 0, angle = twist_step(shape) * degree;
+    double largest = 0, angle = twist_step(shape) * MEN_DEGREE;
     for (size_t i = 0; i < shape->n_scales; i++) largest = fmax(largest, shape->scales[i]);
     size_t begin = 0;
     bool fine = true;
@@ -220,7 +220,7 @@ static unsigned steps_of(const SweepShape *shape, const Piece *piece, double twi
             bend += cubic_bend(rise, start, end);
             turning += fabs(atan2(start, vec3_length(m0)) - middle) + fabs(atan2(end, vec3_length(m1)) - middle);
         }
-        steps = fmax(steps, fmax(sqrt(bend / (8 * shape->tolerance)), turning / (DEGREES_PER_STEP * degree)));
+        steps = fmax(steps, fmax(sqrt(bend / (8 * shape->tolerance)), turning / (DEGREES_PER_STEP * MEN_DEGREE)));
     }
     return steps < 1 ? 1 : steps > MAX_STEPS ? MAX_STEPS : (unsigned)ceil(steps);
 }
@@ -343,7 +343,7 @@ static void set_frames(SweepMaker *maker)
         s[i].v = vec3_normalize(v);
         s[i].u = vec3_cross(s[i].v, s[i].after);
     }
-    double total = maker->twist * degree;
+    double total = maker->twist * MEN_DEGREE;
     if (shape->closed) /* what the frame has turned by on its way round is taken back evenly */
         total += atan2(vec3_dot(s[n - 1].v, s[0].u), vec3_dot(s[n - 1].v, s[0].v));
     maker->twist_rate = total / s[n - 1].along;
@@ -525,7 +525,7 @@ static void add_round_end(SweepMaker *maker, const Station *station, bool last)
     Vec3 out = last ? station->tangent : negative(station->tangent);
     uint32_t before = 0;
     for (size_t ring = 0; ring <= n_rings; ring++) {
-        double angle = 90 * degree * (double)ring / (double)n_rings, c = ring == n_rings ? 0 : cos(angle),
+        double angle = 90 * MEN_DEGREE * (double)ring / (double)n_rings, c = ring == n_rings ? 0 : cos(angle),
                s = sin(angle);
         uint32_t first = (uint32_t)maker->grower.n_vertices;
         for (size_t k = 0; k < n; k++) {
@@ -589,7 +589,7 @@ static bool runs_into(const SweepMaker *maker, const Place *a, const Place *b)
     if (maker->shape->closed) apart = fmin(apart, total - apart);
     if (maker->shape->closed && n_spans - spans < spans) spans = n_spans - spans;
     if (maker->shape->curve == SWEEP_LINEAR && spans < 2) return false; /* a mitre keeps neighbours apart */
-    return apart > 90 * degree * reach && vec3_length(vec3_sub(a->at, b->at)) < 0.999 * reach;
+    return apart > 90 * MEN_DEGREE * reach && vec3_length(vec3_sub(a->at, b->at)) < 0.999 * reach;
 }
 
 /* Of round sweeps: is the path elsewhere nearer than both radii? */
@@ -620,11 +620,11 @@ static Status make_circle(const SweepShape *shape, Outline2 *circle, Error *erro
     double largest = 0;
     for (size_t i = 0; i < shape->n_scales; i++) largest = fmax(largest, shape->scales[i]);
     if (!(largest > 0)) return fail(error, STATUS_SCENE, "a sweep of radius 0 has no volume");
-    double wanted = 180 * degree / acos(fmax(1 - shape->tolerance / largest, 0));
+    double wanted = 180 * MEN_DEGREE / acos(fmax(1 - shape->tolerance / largest, 0));
     unsigned n = shape->segments;
     if (!n) n = wanted > MAX_CIRCLE ? MAX_CIRCLE : wanted < MIN_CIRCLE ? MIN_CIRCLE : 4 * ((unsigned)wanted / 4 + 1);
     for (unsigned i = 0; i < n; i++) {
-        double angle = 360 * degree * i / n;
+        double angle = 360 * MEN_DEGREE * i / n;
         Point2 at = {cos(angle), sin(angle)}, along = {-at.y, at.x};
         if (!outline2_add_point(circle, &(OutlinePoint2){.at = at, .arrive = along, .leave = along}))
             return fail_memory(error, n * sizeof(OutlinePoint2), "a sweep");

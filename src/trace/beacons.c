@@ -4,6 +4,7 @@
 
 #include <string.h>
 
+#include "base/angle.h"
 #include "optics/color.h"
 
 /* What is more than `most` times brighter than the mean around what is clear counts as no brighter, as something may be in
@@ -38,8 +39,7 @@ static void keep(Lamp *lamps, size_t *n, const Lamp *lamp)
 
 static void add(Finder *f, Lamp *lamp, double steradians)
 {
-    const double pi = acos(-1);
-    lamp->given = fmax(lamp->luminance, 0) * fmin(fmax(steradians, 0), 2 * pi);
+    lamp->given = fmax(lamp->luminance, 0) * fmin(fmax(steradians, 0), 2 * MEN_PI);
     f->given += lamp->given;
     if (lamp->luminance > 0) keep(lamp->flat ? f->flat : f->round, lamp->flat ? &f->n_flat : &f->n_round, lamp);
 }
@@ -47,12 +47,11 @@ static void add(Finder *f, Lamp *lamp, double steradians)
 static void add_round(Finder *f, Lamp *lamp)
 {
     Vec3 to = vec3_sub(lamp->centre, f->middle);
-    add(f, lamp, acos(-1) * lamp->radius * lamp->radius / vec3_dot(to, to));
+    add(f, lamp, MEN_PI * lamp->radius * lamp->radius / vec3_dot(to, to));
 }
 
 static void add_light(Finder *f, const SceneLight *light)
 {
-    const double pi = acos(-1);
     const Affine *map = &light->to_world;
     Lamp lamp = {.centre = map->t, .luminance = spectrum_luminance(&light->radiance), .radius = light->half_width};
     Vec3 to = vec3_sub(map->t, f->middle);
@@ -68,7 +67,7 @@ static void add_light(Finder *f, const SceneLight *light)
         lamp.side[0] = affine_vector(map, vec3(light->half_width, 0, 0));
         lamp.side[1] = affine_vector(map, vec3(0, 0, depth));
         add(f, &lamp,
-            -vec3_dot(to, lamp.normal) * (lamp.disc ? pi : 4) * light->half_width * depth /
+            -vec3_dot(to, lamp.normal) * (lamp.disc ? MEN_PI : 4) * light->half_width * depth /
                 (distance2 * sqrt(distance2)));
         break;
     case LIGHT_SPHERE: add_round(f, &lamp); break;
@@ -76,7 +75,7 @@ static void add_light(Finder *f, const SceneLight *light)
         lamp.far = true;
         lamp.centre = light->towards;
         lamp.radius = light->cos_angle > 0 ? sqrt(1 - light->cos_angle * light->cos_angle) : 1;
-        add(f, &lamp, 2 * pi * (1 - light->cos_angle));
+        add(f, &lamp, 2 * MEN_PI * (1 - light->cos_angle));
         break;
     case LIGHT_POINT: /* met by no path */
     case LIGHT_PORTAL: break;
@@ -200,7 +199,7 @@ void beacons_find(const CompiledScene *compiled, double backdrop, Beacons *beaco
         if (!light_keys(scene, &scene->lights[i])) add_light(&f, &scene->lights[i]);
     bool uneven = scene->environment && environment_width(scene->environment) > 0;
     if (scene->environment) f.given += (double)environment_power(scene->environment);
-    beacons->mean = f.given / (4 * acos(-1));
+    beacons->mean = f.given / (4 * MEN_PI);
     if (!(beacons->mean > 0)) return;
     set_lamps(&f, beacons);
     if (uneven) fill_map(scene, beacons);

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 
+#include "base/angle.h"
 #include "optics/sampling.h"
 #include "trace/path.h"
 
@@ -9,7 +10,7 @@
  * which its filter takes from beyond that, goes on over the pole. */
 static bool look_around(const SceneCamera *camera, double right, double up, double beyond, Vec3 *direction)
 {
-    const double quarter = 0.5 * 3.14159265358979323846;
+    const double quarter = 0.5 * MEN_PI;
     if (fabs(up) > quarter * (1 + 1e-9) + beyond) return false;
     double level = cos(up);
     *direction = vec3_along(vec3_scale(camera->forward, level * cos(right)), level * sin(right), camera->right);

@@ -4,9 +4,8 @@
 
 #include <stdlib.h>
 
+#include "base/angle.h"
 #include "optics/color.h"
-
-static const double pi = 3.14159265358979323846;
 
 static double luminance_of(const Spectrum *radiance)
 {
@@ -50,8 +49,8 @@ static double light_flux(const SceneLight *light)
     double luminance = luminance_of(&light->radiance), w = light->half_width;
     switch (light->kind) {
     case LIGHT_RECT: return luminance * light_beam(light) * 4 * w * light->half_height;
-    case LIGHT_DISC: return luminance * light_beam(light) * pi * w * w;
-    case LIGHT_SPHERE: return luminance * pi * 4 * pi * w * w;
+    case LIGHT_DISC: return luminance * light_beam(light) * MEN_PI * w * w;
+    case LIGHT_SPHERE: return luminance * MEN_PI * 4 * MEN_PI * w * w;
     case LIGHT_POINT: return luminance * light_beam(light);
     case LIGHT_DISTANT:
     case LIGHT_PORTAL: return 0; /* not in the tree */
@@ -105,7 +104,7 @@ static void add_triangles(Finder *f, uint32_t number, double luminance)
             rtc_triangle(f->compiled->rtc, number, i, n_times > 1 ? (double)k / (n_times - 1) : 0, corner);
             for (int c = 0; c < 3; c++) box = box3_add_point(box, corner[c]);
             Vec3 across = vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0]));
-            double length = vec3_length(across), power = luminance * pi * 0.5 * length;
+            double length = vec3_length(across), power = luminance * MEN_PI * 0.5 * length;
             if (length > 0 && !(bounds.power > 0)) bounds.axis = vec3f_from(vec3_scale(across, 1 / length));
             if (power > (double)bounds.power) bounds.power = (float)power;
         }
@@ -128,7 +127,7 @@ static void add_pieces(Finder *f, uint32_t number, double luminance)
         for (uint32_t k = 0; k < (keys ? scene->n_keys : 1) && piece->kind != PIECE_PLANE; k++) {
             const Affine *map = keys ? &keys[k] : &object->to_world;
             double stretch = cbrt(fabs(affine_determinant(map)));
-            double power = luminance * pi * piece_area(piece) * stretch * stretch;
+            double power = luminance * MEN_PI * piece_area(piece) * stretch * stretch;
             if (power > (double)bounds.power) bounds.power = (float)power;
             box = box3_union(box, affine_box(map, local));
         }

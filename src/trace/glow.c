@@ -6,6 +6,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include <stdlib.h>
 
+#include "base/angle.h"
 #include "base/hash.h"
 #include "trace/media.h"
 
@@ -180,7 +181,7 @@ static Status find_glow(const CompiledScene *compiled, WorldMedia *media, const 
         glow->shares[i] = brick_brightness(medium, i, vec3(first[0], first[1], first[2]), brick_size(glow, first));
     }
     find_shares(medium, glow);
-    glow->power *= 4 * acos(-1) / place->maps.stretch;
+    glow->power *= 4 * MEN_PI / place->maps.stretch;
     glow->across /= cbrt(place->maps.stretch);
     if (glow->power > 0 && isfinite(glow->power) && glow->across > 0) {
         media->glow_of_place[place - media->places] = media->n_glows++;

@@ -2,9 +2,10 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include <stdlib.h>
 
+#include "base/angle.h"
 #include "trace/light_tree_nodes.h"
 
-static const float pi_f = 3.14159265358979f;
+static const float pi_f = (float)MEN_PI;
 
 /* A LightBounds side by side, of one light or of several: what is least of two stands together, and what is greatest. */
 typedef struct Bounds {
@@ -90,18 +91,17 @@ static void bounds_add(Bounds *sum, const Bounds *b)
  * 1 - cos(o) + (2 w sin(o) - cos(o - 2 w) - 2 o sin(o) + cos(o)) / 4 with w = o + e or pi. */
 static double cost_of(const Bounds *b)
 {
-    const double pi = 3.14159265358979323846;
     Lanes d = lanes_sub(b->most, b->least);
     double x = (double)lanes_get(d, 0), y = (double)lanes_get(d, 1), z = (double)lanes_get(d, 2);
     double cos_o = is_two_sided(b) ? -1 : (double)lanes_get(b->cone, 3), cos_e = (double)lanes_get(b->least, 3),
            sin_o = sqrt(fmax(1 - cos_o * cos_o, 0));
     double omega = 1 - cos_o;
     if (cos_o > -cos_e) {
-        double e = cos_e == 0 ? 0.5 * pi : acos(cos_e), cos_2e = 2 * cos_e * cos_e - 1,
+        double e = cos_e == 0 ? 0.5 * MEN_PI : acos(cos_e), cos_2e = 2 * cos_e * cos_e - 1,
                sin_2e = 2 * cos_e * sqrt(fmax(1 - cos_e * cos_e, 0));
         omega += 0.25 * (2 * e * sin_o - (cos_o * cos_2e - sin_o * sin_2e) + cos_o);
     } else if (cos_o > -1) {
-        omega += 0.5 * (pi - acos(cos_o)) * sin_o;
+        omega += 0.5 * (MEN_PI - acos(cos_o)) * sin_o;
     }
     double diagonal2 = x * x + y * y + z * z;
     /* lights in a line or at a point have no area; the square of what extent there is stands in */

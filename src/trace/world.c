@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/angle.h"
 #include "trace/backdrop.h"
 #include "trace/light_reach.h"
 
@@ -12,13 +13,12 @@
 static double far_power(const World *world, uint32_t number)
 {
     const Scene *scene = world->scene;
-    const double pi = acos(-1);
     Box3 bounds = rtc_scene_bounds(world->compiled->rtc);
     double radius = box3_is_empty(bounds) ? 1 : 0.5 * vec3_length(vec3_sub(bounds.max, bounds.min));
-    double circle = pi * radius * radius;
+    double circle = MEN_PI * radius * radius;
     if (number == LIGHT_ENVIRONMENT) return (double)environment_power(scene->environment) * circle;
     const SceneLight *light = &scene->lights[number];
-    return fmax(spectrum_luminance(&light->radiance), 0) * 2 * pi * (1 - light->cos_angle) * circle;
+    return fmax(spectrum_luminance(&light->radiance), 0) * 2 * MEN_PI * (1 - light->cos_angle) * circle;
 }
 
 static void add_choice(LightChoices *choices, uint32_t light, double power, double *total)
