@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-
 void scene_free(Scene *scene)
 {
     if (!scene) return;

@@ -40,7 +40,7 @@ static Status view_pixel(const ColorConfig *color, const char *display, const ch
     Status status = image_new(1, 1, names, 3, &image, error);
     if (status != STATUS_OK) return status;
     memcpy(image.pixels, rgb, 3 * sizeof(float));
-    status = color_view(color, &(ColorLook){display, view, 0}, &image, error);
+    status = color_view(color, &(ColorLook){.display = display, .view = view}, &image, error);
     memcpy(rgb, image.pixels, 3 * sizeof(float));
     image_clear(&image);
     return status;
@@ -81,7 +81,7 @@ static void stops_are_light(void **state)
         Error error;
         assert_int_equal(image_new(1, 1, names, 3, &image, NULL), STATUS_OK);
         for (int c = 0; c < 3; c++) image.pixels[c] = ldexpf(plain[c], -stops);
-        assert_int_equal(color_view(config, &(ColorLook){NULL, NULL, stops}, &image, &error), STATUS_OK);
+        assert_int_equal(color_view(config, &(ColorLook){.stops = stops}, &image, &error), STATUS_OK);
         memcpy(rgb, image.pixels, sizeof rgb);
         assert_int_equal(view_pixel(config, NULL, NULL, plain, &error), STATUS_OK);
         for (int c = 0; c < 3; c++) assert_float_equal(rgb[c], plain[c], 1e-6f);
@@ -158,7 +158,7 @@ static void alpha_and_other_channels_are_left(void **state)
     Image image;
     assert_int_equal(image_new(3, 2, names, 5, &image, &error), STATUS_OK);
     for (size_t i = 0; i < 30; i++) image.pixels[i] = i % 5 == 4 ? 500 : .18f;
-    assert_int_equal(color_view(config, &(ColorLook){"sRGB", "Un-tone-mapped", 0}, &image, &error), STATUS_OK);
+    assert_int_equal(color_view(config, &(ColorLook){.display = "sRGB", .view = "Un-tone-mapped"}, &image, &error), STATUS_OK);
     for (size_t i = 0; i < 30; i++) assert_near(image.pixels[i], i % 5 == 4 ? 500 : i % 5 == 0 ? .18 : .46136, 1e-4);
     image_clear(&image);
 }
