@@ -17,8 +17,8 @@
 #define UNKNOWN 0.05f
 /* Part of the directions that is chosen broadly. */
 #define BROAD 0.15f
-/* Photons of a sheet, of many, that lobes are held to. */
-enum { HELD_TO = 48 };
+/* Photons of a sheet, of many, that lobes are held to; and how many are enough to say that a lobe is right. */
+enum { HELD_TO = 48, ENOUGH = 16 };
 /* Directions that are farther from what is known of a sheet are not of it, in radians. Its bends over a cell are less; two
  * sheets through one glass were seen 0.17 apart, and the fainter one was asked for all of the light. */
 #define ONE_SHEET 0.1f
@@ -282,10 +282,10 @@ static float bend_by_lobes(const GuideLobe *lobes, const GuideFour *fours, const
 }
 
 /* The same by the cell's photons, which tell less well, of a sheet's only lobe, or of one that is lent: by how far their directions
- * are beyond its own spread, of a third of them less; twice that. Where there are none, as wrong at the cell's end as what is
+ * are beyond its own spread, of this part of them less; twice that. Where there are none, as wrong at the cell's end as what is
  * not known. */
 static float bend_by_photons(const GuidePhotons *cell, const GuideLobe *lobes, const Sheet *sheet, uint32_t self,
-                             float size)
+                             float size, float part)
 {
     const GuideLobe *lobe = &lobes[self];
     float bends[HELD_TO];
@@ -302,7 +302,22 @@ static float bend_by_photons(const GuidePhotons *cell, const GuideLobe *lobes, c
         for (; k > 0 && bends[k - 1] > bend; k--) bends[k] = bends[k - 1];
         bends[k] = bend;
     }
-    return n > 0 ? 2 * bends[n / 3] : UNKNOWN / size;
+    return n > 0 ? 2 * bends[(uint32_t)(part * (float)n)] : UNKNOWN / size;
+}
+
+/* How wrong a lobe is away from its place. What others of its sheet say is noise where they all stand close together, in a corner of
+ * a cell that was foreseen when they were looked around at: their means differ by a tenth of the sun, and a little of that on a short
+ * way is much on a long one. So where nearly all photons of the sheet, from anywhere in the cell, are where the lobe has them, it is
+ * right. (Without this there were dark rectangles on the even floor of a pool, of few samples that were far too bright.) */
+static float bend_of(const GuidePhotons *cell, const GuideLobe *lobes, const GuideFour *fours, const Sheet *sheet,
+                     uint32_t self, float size)
+{
+    const float few = 1.0f / 3, nearly_all = 0.8f;
+    if (lobes[self].n_sheet == 1 || cell->known[self].lent)
+        return bend_by_photons(cell, lobes, sheet, self, size, few);
+    float bend = bend_by_lobes(lobes, fours, sheet, self, size);
+    if (sheet->n < ENOUGH) return bend;
+    return float_min(bend, bend_by_photons(cell, lobes, sheet, self, size, nearly_all));
 }
 
 /* The sheet whose lobes foretell a photon best; NULL: none does. */
@@ -373,8 +388,7 @@ uint32_t guide_fit(GuidePhotons *cell, GuideLobe *lobes)
             lobes[i].weight = weight;
             lobes[i].cumulative = sum;
             lobes[i].n_sheet = sheet->end - sheet->first;
-            lobes[i].bend = lobes[i].n_sheet == 1 || cell->known[i].lent ? bend_by_photons(cell, lobes, sheet, i, size)
-                                                                         : bend_by_lobes(lobes, fours, sheet, i, size);
+            lobes[i].bend = bend_of(cell, lobes, fours, sheet, i, size);
         }
     }
     lobes[n_known] = lobe_of_all(cell->photons, cell->n);

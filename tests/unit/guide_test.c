@@ -251,6 +251,40 @@ static void doubts(void **state)
     assert_true(beside > .05f);
 }
 
+/* Sunlight on the floor of a still pool, where all photons that know their neighbours stand in a corner of the cell, close together:
+ * that their means differ by a little does not make them doubtful at the other end, as the other photons come from where they say. */
+static void corners(void **state)
+{
+    (void)state;
+    enum { KNOWN = 24, N = 120, LOOKS = 200 };
+    const float radius = .0047f, noise = 2e-4f;
+    Photon photons[N];
+    for (int i = 0; i < N; i++) {
+        Vec3f from = at_plane(vec3f(0, 1, 0), (double)(radius * sqrtf(dice())), 2 * pi * (double)dice()), x, y;
+        Vec3f sun = at_plane(vec3f(0, 1, 0), (double)(noise * dice()), 2 * pi * (double)dice());
+        sampling_basis(from, &x, &y);
+        photons[i] = (Photon){.from = from,
+                              .flux = 1,
+                              .number = (uint32_t)i,
+                              .mean = {vec3f_dot(x, sun), vec3f_dot(y, sun)},
+                              .spread = {radius * radius / 4, 0, radius * radius / 4},
+                              .position = i < KNOWN ? vec3f(1 - .02f * dice(), 0, 1 - .02f * dice())
+                                                    : vec3f(dice_between(-1, 1), 0, dice_between(-1, 1))};
+    }
+    GuideLobe lobes[GUIDE_CELL_LOBES];
+    GuideFour fours[GUIDE_CELL_FOURS];
+    uint32_t n = fit(photons, KNOWN, N, vec3f(0, 0, 0), lobes);
+    guide_lay_in_fours(lobes, n, fours);
+    const GuidePlace place = {vec3f(-1, 0, -1), 0};
+    double sum = 0;
+    for (int i = 0; i < LOOKS; i++) {
+        Vec3f sun = at_plane(vec3f(0, 1, 0), (double)(radius * sqrtf(dice())), 2 * pi * (double)dice());
+        sum += (double)guide_lobes_pdf(fours, n, place, sun) * pi * (double)(radius * radius) / LOOKS;
+    }
+    printf("    at the other end of the cell %.3g of all directions are chosen within the sun\n", sum);
+    assert_true(sum > .3);
+}
+
 /* Light through a level side of a pool and through the waves on top of it goes one way, by what it meets: what is known far better of
  * the one takes nothing from the other. */
 static void sides(void **state)
@@ -660,6 +694,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(densities), cmocka_unit_test(sheets),   cmocka_unit_test(folds),  cmocka_unit_test(doubts),
+        cmocka_unit_test(corners),
         cmocka_unit_test(sides),     cmocka_unit_test(borrowed), cmocka_unit_test(missed), cmocka_unit_test(levels),
         cmocka_unit_test(flux),      cmocka_unit_test(bulbs),    cmocka_unit_test(lenses), cmocka_unit_test(hues),
         cmocka_unit_test(beams),     cmocka_unit_test(walks),
