@@ -14,7 +14,7 @@ struct SlotChunk {
     Value values[];
 };
 
-enum { CHUNK_SLOTS = 4096 };
+enum { CHUNK_SLOTS = 4096, LONGEST_CALL = 40 };
 
 static SlotChunk *new_chunk(Evaluator *evaluator, size_t n)
 {
@@ -241,7 +241,8 @@ void eval_call_def(Evaluator *evaluator, Expr *expr, Value *result)
     if (!def->body) {
         Diagnostic *report = eval_error(evaluator, expr, D_NOT_A_MACRO,
                                         "'%s' is a macro: it places nodes and has no value", def->name->text);
-        diag_hint(evaluator->diag, report, "a group of what it places is one: group { ... } around it");
+        diag_hint(evaluator->diag, report, "a group of what it places is one: group { %s }",
+                  eval_written(evaluator, expr->span, LONGEST_CALL, "\n", arena_format(evaluator->arena, "%s(...)", def->name->text)));
         diag_note(evaluator->diag, report, def->span, "declared here");
         return;
     }

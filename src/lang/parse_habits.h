@@ -61,7 +61,7 @@ Expr *parse_bare_let(Parser *parser, Span begin); /* a let without brackets, beh
 void parse_apart_unit(Parser *parser, Span number);      /* at a name behind the number */
 void parse_vector_unit(Parser *parser); /* at a name behind a vector */
 bool parse_percent_habit(Parser *parser, const Expr *number); /* at what stands behind a factor */
-/* "x -> x * 2" where the value of a declaration or of a property should stand: read to its end, and poison; NULL: it is none */
+/* "x -> x * 2" and "def(x) = x * 2" where the value of a declaration or of a property should stand: read to its end, and poison; NULL: it is none */
 Expr *parse_arrow_function(Parser *parser, const char *name, bool declared);
 Expr *parse_whole_value(Parser *parser); /* of a statement, with "1 if a else 2", and "7 // 2", which is warned of */
 

@@ -156,16 +156,42 @@ bool parse_operator_habit(Parser *parser, Span operand)
     return true;
 }
 
-/* Is what stands in the braces here a row of lets, and then a word 'return'? */
+/* May a value end with that token? */
+static bool ends_value(TokenKind kind)
+{
+    return kind == TOKEN_NUMBER || kind == TOKEN_NAME || kind == TOKEN_PAREN_CLOSE || kind == TOKEN_BRACKET_CLOSE ||
+           kind == TOKEN_SEMICOLON;
+}
+
+/* Is what stands in the braces here a row of lets, and then the word 'return', or a value that begins with a name: with one of
+ * those that the lets declare, alone, or with any that is computed with? */
 static bool returns_value(const Parser *parser)
 {
+    enum { MOST = 8 };
+    const Symbol *names[MOST];
+    size_t n = 0;
+    int brackets = 0; /* a list may have what looks like that: [for (i in a) i + 1] */
     Look look;
     look_from(parser, &look);
     Token token = lexer_next(&look.lexer);
     if (token.kind != TOKEN_LET) return false;
-    while (token.kind != TOKEN_END && token.kind != TOKEN_BRACE_OPEN && token.kind != TOKEN_BRACE_CLOSE) {
-        if (token.kind == TOKEN_NAME && strcmp(token.as.symbol->text, "return") == 0) return true;
-        token = lexer_next(&look.lexer);
+    for (TokenKind before = TOKEN_BRACE_OPEN, next; token.kind != TOKEN_END && token.kind != TOKEN_BRACE_OPEN;) {
+        if (token.kind == TOKEN_BRACE_CLOSE) break;
+        const Symbol *symbol = token.kind == TOKEN_NAME ? token.as.symbol : NULL;
+        if (symbol && strcmp(symbol->text, "return") == 0) return true;
+        if (symbol && before == TOKEN_LET && n < MOST) names[n++] = symbol;
+        Token following = lexer_next(&look.lexer);
+        next = following.kind;
+        bool unit = symbol && before == TOKEN_NUMBER && unit_of(symbol->text, symbol->length);
+        brackets += token.kind == TOKEN_PAREN_OPEN || token.kind == TOKEN_BRACKET_OPEN;
+        brackets -= token.kind == TOKEN_PAREN_CLOSE || token.kind == TOKEN_BRACKET_CLOSE;
+        if (symbol && brackets == 0 && ends_value(before) && !unit) {
+            bool declared = false;
+            for (size_t i = 0; i < n; i++) declared |= names[i] == symbol;
+            return next == TOKEN_BRACE_CLOSE ? declared : next >= TOKEN_PLUS && next <= TOKEN_CARET;
+        }
+        before = token.kind;
+        token = following;
     }
     return false;
 }
@@ -345,18 +371,41 @@ static uint32_t arrow_ahead(const Parser *parser, uint32_t *names_end)
     return arrow ? greater.end : 0;
 }
 
+/* The value behind what begins a function without a name of its own: in braces that begin a line, or as it is; its text. */
+static Expr *parse_function_value(Parser *parser, const char **text)
+{
+    uint32_t begin = parser->token.begin;
+    bool braces = parser->token.kind == TOKEN_BRACE_OPEN;
+    if (braces) skip_brackets(parser);
+    Expr *value = braces ? expr_new(parser, EXPR_POISON, token_span(parser)) : parse_expr(parser);
+    *text = braces ? "..." : quote(parser, begin, consumed_end(parser));
+    return value;
+}
+
+/* "def(x) = x * 2", "def(x) x * 2" and "def(x) { ... }", at the 'def': up to the value, names are the parameters in their brackets */
+static Diagnostic *parse_nameless_def(Parser *parser, const char **names)
+{
+    Diagnostic *report = report_at(parser, token_span(parser), "a function has a name, and a statement of its own");
+    consume(parser);
+    uint32_t begin = parser->token.begin;
+    skip_brackets(parser);
+    *names = quote(parser, begin, consumed_end(parser));
+    consume_if(parser, TOKEN_ASSIGN);
+    return report;
+}
+
 Expr *parse_arrow_function(Parser *parser, const char *name, bool declared)
 {
     uint32_t names_end, begin = parser->token.begin, end = arrow_ahead(parser, &names_end);
-    if (!end) return NULL;
-    const char *names = quote(parser, begin, names_end);
-    Diagnostic *report =
-        report_at(parser, (Span){parser->lexer.source, end - 2, end}, "'->' has no meaning here: a function is a def");
+    bool nameless = parser->token.kind == TOKEN_DEF && peek(parser).kind == TOKEN_PAREN_OPEN;
+    if (!end && !nameless) return NULL;
+    const char *names = end ? quote(parser, begin, names_end) : NULL, *body;
+    Diagnostic *report = nameless ? parse_nameless_def(parser, &names)
+                                  : report_at(parser, (Span){parser->lexer.source, end - 2, end},
+                                              "'->' has no meaning here: a function is a def");
     while (parser->token.begin < end) consume(parser);
-    begin = parser->token.begin;
-    Expr *value = parse_expr(parser);
-    const char *body = quote(parser, begin, consumed_end(parser)), *open = *names == '(' ? "" : "(",
-               *close = *open ? ")" : "";
+    Expr *value = parse_function_value(parser, &body);
+    const char *open = *names == '(' ? "" : "(", *close = *open ? ")" : "";
     if (!parser->panic)
         diag_hint(parser->diag, report, "write: def %s%s%s%s = %s%s", declared ? name : "f", open, names, close, body,
                   declared ? "" : arena_format(parser->arena, ", further up, and %s = f", name));

@@ -450,7 +450,9 @@ static void resolve_prop(Resolver *resolver, Stmt *stmt)
     bool misplaced = resolver->context == CONTEXT_FREE || (type && !prop);
     bool words = resolver->context == CONTEXT_NODE && !misplaced && takes_words(prop);
     if (resolver->context == CONTEXT_NODE && prop && (prop->kind == PROP_FUNCTION || prop->flags & PROP_TEXTURE)) {
+        resolver->for_texture = prop->flags & PROP_TEXTURE;
         resolve_function_prop(resolver, prop, value);
+        resolver->for_texture = false;
     } else if (resolver->context == CONTEXT_NODE && report_pattern(resolver, type, prop, value)) {
         /* reported */
     } else if (misplaced && is_unknown_word(value)) {

@@ -721,7 +721,13 @@ static void report_no_node(Resolver *resolver, const NodeExpr *node)
     const Symbol *symbol = node->path.names[0];
     Diagnostic *report =
         diag_report(resolver->diag, D_UNKNOWN_NODE, node->path.span, "unknown node '%s'", symbol->text);
-    if (!note_later_declaration(resolver, report, symbol)) suggest_visible(resolver, report, symbol, false, true);
+    /* what is a pattern there may be something else where objects stand */
+    const char *pattern = resolver->for_texture ? habit_node(arena_format(resolver->arena, "%s_pattern", symbol->text)) : NULL;
+    if (note_later_declaration(resolver, report, symbol)) return;
+    if (pattern)
+        diag_hint(resolver->diag, report, "%s", pattern);
+    else
+        suggest_visible(resolver, report, symbol, false, true);
 }
 
 static void find_node(Resolver *resolver, NodeExpr *node)
@@ -765,13 +771,14 @@ void resolve_node(Resolver *resolver, NodeExpr *node, bool expression)
 {
     split_bare_placement(resolver, node);
     find_node(resolver, node);
+    resolver->for_texture = false;
     if (node->def && (expression || !node->def->block)) {
         const char *name = node->def->name->text;
         Diagnostic *report =
             diag_report(resolver->diag, D_NOT_A_MACRO, node->path.span,
                         expression ? "a macro places nodes; it is no value" : "'%s' is a function, not a macro", name);
         if (expression && node->def->block)
-            diag_hint(resolver->diag, report, "a group of what it places is one: group { ... } around it");
+            diag_hint(resolver->diag, report, "a group of what it places is one: group { %s { ... } }", name);
         else if (node->def->body)
             hint_at_call(resolver, report, node->def, name);
         if (node->path.n == 1 && schema_node(resolver->schema, name)) {

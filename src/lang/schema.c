@@ -246,14 +246,15 @@ static void hint_node(const Check *check, const Value *value, Diagnostic *report
         diag_hint(diag, report, "write: %s, without quotation marks", value->as.text);
 }
 
-/* A texture where all is of one colour. */
+/* A texture where all is of one colour, or a vector where a number is for all axes. */
 static void hint_texture(const Check *check, const Value *value, Diagnostic *report)
 {
     Diag *diag = check->evaluator->diag;
     const NodeType *owner = check->evaluator->target ? check->evaluator->target->type : NULL;
-    if (!owner || value->kind != VALUE_NODE || !(value->as.node->type->flags & NODE_TEXTURE)) return;
+    bool is_texture = value->kind == VALUE_NODE && value->as.node->type->flags & NODE_TEXTURE;
+    if (!owner || (!is_texture && value->kind != VALUE_VECTOR3)) return;
     const char *pattern = habit_pattern(owner->name, check->type->name);
-    const char *texture = arena_format(diag->arena, "%s { ... }", value->as.node->type->name);
+    const char *texture = is_texture ? arena_format(diag->arena, "%s { ... }", value->as.node->type->name) : "<x, y, z>";
     if (pattern) diag_hint(diag, report, "%s", habit_fill(diag->arena, pattern, texture));
 }
 
