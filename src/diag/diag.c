@@ -254,9 +254,25 @@ static Diagnostic *sorted(Diagnostic *list)
     return head;
 }
 
+/* Of names that nothing uses, where there are errors: many follow from these, and push them down. */
+static Diagnostic *unused_last(Diagnostic *list)
+{
+    Diagnostic *others = NULL, **end = &others, *unused = NULL, **unused_end = &unused;
+    for (Diagnostic *report = list, *next; report; report = next) {
+        Diagnostic ***where = report->code == D_UNUSED_NAME ? &unused_end : &end;
+        next = report->next;
+        report->next = NULL;
+        **where = report;
+        *where = &report->next;
+    }
+    *end = unused;
+    return others;
+}
+
 void diag_sort(Diag *diag)
 {
     diag->first = sorted(diag->first);
+    if (diag->n_errors) diag->first = unused_last(diag->first);
     diag->last = diag->first;
     while (diag->last && diag->last->next) diag->last = diag->last->next;
 }

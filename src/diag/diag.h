@@ -117,7 +117,7 @@ void diag_drop_known(Diag *diag, const Diag *known);
 void diag_print(Diag *diag, Buf *out, bool color);
 /* The same facts as one JSON array. */
 void diag_print_json(Diag *diag, Buf *out);
-/* Puts the reports in the order in which they are printed. */
+/* Puts the reports in the order in which they are printed: by place, with unused names behind what else there is if there are errors. */
 void diag_sort(Diag *diag);
 
 /* The columns of diags.def. */

@@ -367,11 +367,15 @@ static void check_opaque(Builder *b, const EvalNode *node)
         Diagnostic *report = build_needs(b, node, "transmission", "without an 'ior'");
         if (report) diag_hint(b->diag, report, "a pane of glass: ior = 1.5");
     }
-    static const char *const of_facets[] = {"roughness", "anisotropy"};
+    static const struct {
+        const char *property;
+        double none; /* what says of a matte surface that it is one */
+    } of_facets[] = {{"roughness", 1}, {"anisotropy", 0}};
     for (size_t i = 0; !facets && i < COUNT_OF(of_facets); i++) {
-        if (!eval_prop(node, of_facets[i])) continue;
-        Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, build_span(node, of_facets[i]),
-                                         "'%s' has no effect on a matte surface", of_facets[i]);
+        const EvalProp *prop = eval_prop(node, of_facets[i].property);
+        if (!prop || (!prop->textured && prop->as.number == of_facets[i].none)) continue;
+        Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, prop->span,
+                                         "'%s' has no effect on a matte surface", of_facets[i].property);
         diag_hint(b->diag, report, "give it a skin, ior = 1.5, or make it a metal");
         break;
     }
