@@ -217,18 +217,42 @@ static bool is_below(const SceneObject *plane, Vec3 place)
     return affine_invert(&plane->to_world, &to_plane) && height_of(&to_plane, place) < 0;
 }
 
+/* Whether a place is within an object, or an operand, by what a line from there meets. */
+static bool leads_out(const Remarks *r, Vec3 place, uint32_t object, const HitList *hits)
+{
+    int leaving = 0;
+    if (scene_is_plane(r->scene, object)) return is_below(&r->scene->objects[object], place);
+    for (size_t i = 0; i < hits->n; i++)
+        if (hits->items[i].object == object && !hit_repeats(hits, i)) leaving += hits->items[i].entering ? -1 : 1;
+    return leaving == 1;
+}
+
+/* The same for a part of a combination, of which it follows from the operands. */
+static bool leads_out_of_part(const Remarks *r, Vec3 place, uint32_t number, const HitList *hits)
+{
+    const NestPart *part = &r->scene->parts[number];
+    if (part->operation == NEST_OPERAND) return leads_out(r, place, r->scene->operands[part->begin], hits);
+    for (uint32_t i = 0; i < part->n_children; i++) {
+        bool within = leads_out_of_part(r, place, part->first_child + i, hits);
+        if (part->operation == NEST_UNION && within) return true;
+        if (part->operation == NEST_INTERSECTION && !within) return false;
+        if (part->operation == NEST_DIFFERENCE && within != (i == 0)) return false;
+    }
+    return part->operation != NEST_UNION;
+}
+
 /* Whether a place is within an object, which need not be closed: as lines in three directions have it. */
 static bool is_within(Remarks *r, Vec3 place, uint32_t object)
 {
+    uint32_t tree = r->scene->objects[object].tree;
     if (is_plane(r->scene, object)) return is_below(&r->scene->objects[object], place);
     for (int direction = 0; direction < LINE_DIRECTIONS; direction++) {
         Ray ray = ray_make(place, vec3f_from(line_direction(direction)));
         HitList *hits = &r->probe.forward;
-        int leaving = 0;
         rtc_all(r->compiled->rtc, &ray, false, hits);
-        for (size_t i = 0; i < hits->n; i++)
-            if (hits->items[i].object == object && !hit_repeats(hits, i)) leaving += hits->items[i].entering ? -1 : 1;
-        if (leaving != 1) return false;
+        bool within = tree == SCENE_NONE ? leads_out(r, place, object, hits)
+                                         : leads_out_of_part(r, place, r->scene->trees[tree].root, hits);
+        if (!within) return false;
     }
     return true;
 }
@@ -453,7 +477,7 @@ static uint32_t find_cover(Remarks *r, Vec3 place)
     uint32_t cover = SCENE_NONE;
     rtc_all(r->compiled->rtc, &ray, false, &hits);
     for (size_t i = 0; i < hits.n && cover == SCENE_NONE; i++) {
-        uint32_t object = hits.items[i].object;
+        uint32_t object = scene_whole(r->scene, hits.items[i].object);
         if (!hits.items[i].entering && is_opaque(r, object) && is_within(r, place, object)) cover = object;
     }
     for (uint32_t i = 0; i < r->scene->n_objects && cover == SCENE_NONE; i++)
