@@ -116,21 +116,33 @@ static void remark_unit(const RenderRun *run)
                     size_m);
 }
 
+/* Half of the picture that is as bright as two whites, or a third as four: less is what lamps and skies have. In stops above
+ * white, and of which part; 0: it is not so. */
+static int clipped_stops(const Brightness *brightness, const char **part)
+{
+    enum { HALF = 1, THIRD = 2 };
+    int half = ilogb(band_at(brightness, 0.5)), third = ilogb(band_at(brightness, 2.0 / 3));
+    *part = half >= HALF ? "half" : "a third";
+    return half >= HALF ? half : third >= THIRD ? third : 0;
+}
+
 /* The commonest reason of white is a lamp of so many watts, as in a room, above a table of centimetres; of black one of an
  * intensity of 1 that is metres away. Not of frames behind the first, which may fade. What is meant to be dark has a bright
  * spot somewhere. */
 static void remark_brightness(const RenderRun *run)
 {
     const double black = 1.0 / 64 /* 6 of 255 on a display */, dark = 1.0 / 128, nearly_all = 0.998, grey = 0.18;
-    enum { CLIPPED = 3, LEAST_PIXELS = 64 };
+    enum { LEAST_PIXELS = 64 };
     if (run->n_rendered) return;
     Brightness brightness = find_brightness(run);
     if (brightness.n < LEAST_PIXELS || !(brightness.mean > 0)) return;
     char what[200];
-    int clipped = ilogb(band_at(&brightness, 0.5));
+    const char *part;
+    int clipped = clipped_stops(&brightness, &part);
     bool is_dark = run->stats.samples && brightness.mean < dark && band_at(&brightness, nearly_all) < black;
-    if (is_displayed(run) && clipped >= CLIPPED) {
-        snprintf(what, sizeof what, "half of the picture is %d stops or more above white", clipped);
+    if (is_displayed(run) && clipped > 0) {
+        snprintf(what, sizeof what, "%s of the picture is %d stop%s or more above white", part, clipped,
+                 plural((unsigned)clipped));
         remark_exposure(run, what, -clipped - 1);
     } else if (is_displayed(run) && is_dark) {
         snprintf(what, sizeof what, "the picture is nearly black: its mean luminance is %.2g, where white is 1",

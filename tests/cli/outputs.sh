@@ -465,6 +465,8 @@ run render white.mns -o white.png
 exits 0
 says err "remark: half of the picture is 8 stops or more above white: give it 512 times less light"
 says err ", or film { exposure = -9 }"
+run render white.mns -o white.png --exposure -7
+says err "half of the picture is 1 stop or more above white: give it 4 times less light"
 run render white.mns -o white.png --exposure -9
 says_not err "above white"
 run render white.mns -o white.png -q
