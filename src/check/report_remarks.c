@@ -241,18 +241,21 @@ static bool leads_out_of_part(const Remarks *r, Vec3 place, uint32_t number, con
     return part->operation != NEST_UNION;
 }
 
+static bool leads_out_of_object(const Remarks *r, Vec3 place, uint32_t object, const HitList *hits)
+{
+    uint32_t tree = r->scene->objects[object].tree;
+    return tree == SCENE_NONE ? leads_out(r, place, object, hits) : leads_out_of_part(r, place, r->scene->trees[tree].root, hits);
+}
+
 /* Whether a place is within an object, which need not be closed: as lines in three directions have it. */
 static bool is_within(Remarks *r, Vec3 place, uint32_t object)
 {
-    uint32_t tree = r->scene->objects[object].tree;
     if (is_plane(r->scene, object)) return is_below(&r->scene->objects[object], place);
     for (int direction = 0; direction < LINE_DIRECTIONS; direction++) {
         Ray ray = ray_make(place, vec3f_from(line_direction(direction)));
         HitList *hits = &r->probe.forward;
         rtc_all(r->compiled->rtc, &ray, false, hits);
-        bool within = tree == SCENE_NONE ? leads_out(r, place, object, hits)
-                                         : leads_out_of_part(r, place, r->scene->trees[tree].root, hits);
-        if (!within) return false;
+        if (!leads_out_of_object(r, place, object, hits)) return false;
     }
     return true;
 }
@@ -469,7 +472,7 @@ static bool is_opaque(const Remarks *r, uint32_t object)
            r->scene->objects[object].part_of == SCENE_NONE && r->scene->objects[object].light == SCENE_NONE;
 }
 
-/* The first opaque object that a place is inside of; SCENE_NONE. */
+/* The first opaque object that a place is inside of; SCENE_NONE. Lines in other directions are for what the first one leaves. */
 static uint32_t find_cover(Remarks *r, Vec3 place)
 {
     HitList hits = {0};
@@ -478,7 +481,8 @@ static uint32_t find_cover(Remarks *r, Vec3 place)
     rtc_all(r->compiled->rtc, &ray, false, &hits);
     for (size_t i = 0; i < hits.n && cover == SCENE_NONE; i++) {
         uint32_t object = scene_whole(r->scene, hits.items[i].object);
-        if (!hits.items[i].entering && is_opaque(r, object) && is_within(r, place, object)) cover = object;
+        bool leaves = !hits.items[i].entering && is_opaque(r, object) && leads_out_of_object(r, place, object, &hits);
+        if (leaves && is_within(r, place, object)) cover = object;
     }
     for (uint32_t i = 0; i < r->scene->n_objects && cover == SCENE_NONE; i++)
         if (is_plane(r->scene, i) && is_opaque(r, i) && is_within(r, place, i)) cover = i;
@@ -500,9 +504,10 @@ static uint32_t find_plane_cover(Remarks *r, const SceneCamera *camera, double *
     return cover;
 }
 
-static void remark_covered_cameras(Remarks *r)
+/* Of cameras from first to before end. */
+static void remark_covered_cameras(Remarks *r, uint32_t first, uint32_t end)
 {
-    for (uint32_t i = 0; i < r->scene->n_cameras; i++) {
+    for (uint32_t i = first; i < end; i++) {
         const SceneCamera *camera = &r->scene->cameras[i];
         double part = 1;
         bool wide = camera->projection == PROJECTION_ORTHOGRAPHIC && !camera->expect; /* else it is a section */
@@ -702,12 +707,20 @@ void report_remarks(const CompiledScene *compiled, Diag *diag)
         report_contacts(compiled, diag);
         remark_loose_liquid(&r);
         remark_cameras(&r);
-        remark_covered_cameras(&r);
+        remark_covered_cameras(&r, 0, r.scene->n_cameras);
         remark_beyond_poles(&r);
         remark_many_scatterings(&r);
         report_mesh_materials(compiled, diag);
     }
     probe_clear(&r.probe);
     report_groups_clear(&r.groups);
+    free(r.bounds);
+}
+
+void report_covered_camera(const CompiledScene *compiled, uint32_t camera, Diag *diag)
+{
+    Remarks r = {.compiled = compiled, .scene = compiled->scene, .diag = diag};
+    if (find_bounds(&r) && probe_init(&r.probe, compiled, NULL) == STATUS_OK) remark_covered_cameras(&r, camera, camera + 1);
+    probe_clear(&r.probe);
     free(r.bounds);
 }

@@ -219,7 +219,10 @@ static void warn_of_losses(void *context)
     report_endless(run->input.compiled, &run->input.diag);
     report_small_volumes(run->input.compiled, &run->input.diag);
     report_nested_parts(run->input.compiled, &run->input.diag);
-    if (!run->talk->quiet) report_coarse_places(run->input.compiled, &run->input.diag);
+    if (!run->talk->quiet) {
+        report_coarse_places(run->input.compiled, &run->input.diag);
+        report_covered_camera(run->input.compiled, run->settings.camera, &run->input.diag);
+    }
 }
 
 /* The input's scene is at the frame. */

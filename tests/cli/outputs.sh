@@ -477,6 +477,22 @@ run render small.mns -o small.png
 says_not err "above white"
 end
 
+begin "a part of an orthographic picture that is inside of an opaque object: a remark"
+cat > cut.mns <<'SCENE'
+meniscus 1.0 unit cm
+union { box { size = <4, 4, 4> }  sphere { radius = 2.5 }  surface = surface { } }
+camera { projection = orthographic  width = 12  from = <0, 0, 0>  to = <0, 0, -1> }
+environment { color = .5 }
+film { size = <32, 24> }
+render { samples = 4 }
+SCENE
+run render cut.mns -o cut.png
+exits 0
+says err "of the picture plane of camera 1 is inside of union 1, which is opaque"
+run render cut.mns -o cut.png -q
+says_not err "is opaque"
+end
+
 begin "a picture that is nearly black: a remark, with what to do; none for EXR alone, nor where a little of it is bright, nor with -q"
 cat > dim.mns <<'SCENE'
 meniscus 1.0 unit cm
