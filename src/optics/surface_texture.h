@@ -69,7 +69,7 @@ typedef struct Texture {
 /* Where textures are looked up. Object: in the frame that the object was described in, where textures stand still on it. */
 typedef struct TexturePlace {
     Vec3 object, world;
-    Vec3 object_normal, world_normal; /* geometric, outward, unit */
+    Vec3 object_normal, world_normal; /* outward, unit; of a smooth mesh the geometric one, or where textures ask for it, the smooth one */
     float uv[2];
     Vec3 du, dv;      /* how fast u and v change, along the surface, per object length */
     double footprint; /* what is smaller than this length in the object's frame need not be told apart */

@@ -9,15 +9,16 @@
 
 enum { PLACES = 512 }; /* on each object, and for the mean of light */
 
-static bool uses_uv(const Program *program)
+/* Whether it asks for any of n inputs from number `first` on. */
+static bool uses_input(const Program *program, unsigned first, unsigned n)
 {
     for (uint32_t i = 0; i < program->n_steps; i++) {
         const uint16_t operands[] = {program->steps[i].a, program->steps[i].b, program->steps[i].c};
         for (int k = 0; k < 3; k++)
-            if (operands[k] == PROGRAM_UV || operands[k] == PROGRAM_UV + 1) return true;
+            if (operands[k] >= first && operands[k] < first + n) return true;
     }
     for (uint32_t i = 0; i < program->n_outputs; i++)
-        if (program->outputs[i] == PROGRAM_UV || program->outputs[i] == PROGRAM_UV + 1) return true;
+        if (program->outputs[i] >= first && program->outputs[i] < first + n) return true;
     return false;
 }
 
@@ -48,7 +49,8 @@ void build_formula(Builder *b, const EvalNode *node, TextureUse use, Texture *te
     facts->function = function;
     facts->open = is_value && use == TEXTURE_OF_NUMBERS;
     if (!texture->program) return;
-    facts->uses_uv = uses_uv(texture->program);
+    facts->uses_uv = uses_input(texture->program, PROGRAM_UV, 2);
+    facts->uses_normal = uses_input(texture->program, PROGRAM_NORMAL, 3);
     facts->cost += texture->program->n_steps / 16;
     if (texture->program->n_outputs == 3 && (use == TEXTURE_OF_NUMBERS || !is_value)) {
         Diagnostic *report =

@@ -54,6 +54,7 @@ typedef struct TextureFacts {
     unsigned cost, depth;
     bool uses_uv;     /* looks at the surface's own coordinates */
     bool uses_object; /* looks at the place on the object, not only at the one in the world */
+    bool uses_normal; /* looks at where the surface faces, which changes smoothly over a smooth mesh */
     bool open;        /* least and most are not known: a function's own values are among it */
     bool formula;     /* a function is among it */
     const EvalProp *function;

@@ -174,6 +174,7 @@ static void add_facts(TextureFacts *facts, const TextureFacts *of)
     facts->cost += of->cost;
     facts->uses_uv = facts->uses_uv || of->uses_uv;
     facts->uses_object = facts->uses_object || of->uses_object;
+    facts->uses_normal = facts->uses_normal || of->uses_normal;
     facts->formula = facts->formula || of->formula;
     if (of->depth >= facts->depth) facts->depth = of->depth + 1;
 }
@@ -350,6 +351,7 @@ static Texture make_texture(Builder *b, const EvalNode *node, TextureUse use, Te
         texture.kind = TEXTURE_IMAGE;
         texture.projection = (TextureProjection)choice_of(node, "projection");
         facts->uses_uv = texture.projection == PROJECTION_UV;
+        facts->uses_normal = texture.projection == PROJECTION_BOX;
         texture.wrap = (TextureWrap)choice_of(node, "wrap");
         texture.turns = eval_number(node, "turns");
         if (texture.projection != PROJECTION_CYLINDRICAL && texture.projection != PROJECTION_SPHERICAL)
@@ -427,6 +429,7 @@ void build_texture_place(const Builder *b, uint32_t row, SceneSurface *surface)
     const TextureFacts *facts = &b->texture_facts[row];
     surface->textures_use_uv = surface->textures_use_uv || facts->uses_uv;
     surface->textures_use_object = surface->textures_use_object || facts->uses_object;
+    surface->textures_use_normal = surface->textures_use_normal || facts->uses_normal;
 }
 
 bool build_textures_wanted(const Builder *b)

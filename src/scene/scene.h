@@ -113,6 +113,7 @@ typedef struct SceneSurface {
     const SurfaceTexture *textures;
     bool textures_use_uv;     /* some texture of it asks for the surface's own coordinates, */
     bool textures_use_object; /* or at least for the place on the object; else for that in the world alone */
+    bool textures_use_normal; /* or for where it faces: of a smooth mesh as it is shaded, not triangle by triangle */
     bool thin;                /* light goes through it, or through a part of the mix */
     double bump_height;
     float normal_x, normal_y; /* factors of the normal map's slopes */

@@ -63,6 +63,11 @@ static SceneTextureFrame frame_at(const Scene *scene, const SceneTextureFrame *f
     return now;
 }
 
+static Vec3 outward_of(const World *world, const SceneSurface *surface, const Ray *ray, const Hit *hit)
+{
+    return vec3_from_f(surface->textures_use_normal ? rtc_shading_normal(world->compiled->rtc, ray, hit) : hit->normal);
+}
+
 static void view_object(const World *world, const SceneSurface *surface, const Ray *ray, const Hit *hit,
                         double footprint, TextureView *view)
 {
@@ -82,7 +87,7 @@ static void view_object(const World *world, const SceneSurface *surface, const R
         view->to_texture = &view->composed;
     }
     view->mirrored = affine_determinant(view->to_texture) < 0;
-    Vec3 outward = vec3_from_f(hit->normal), normal = affine_outward(view->to_texture, view->mirrored, outward);
+    Vec3 outward = outward_of(world, surface, ray, hit), normal = affine_outward(view->to_texture, view->mirrored, outward);
     if (surface->textures_use_uv) {
         view_uv(frame, at, outward, place);
     } else {
@@ -100,7 +105,7 @@ void texture_view(const World *world, const SceneSurface *surface, const Ray *ra
     TexturePlace *place = &view->at;
     place->uv[0] = place->uv[1] = 0;
     if (surface->textures_use_object) view_object(world, surface, ray, hit, footprint, view);
-    place->world_normal = vec3_from_f(hit->normal);
+    place->world_normal = outward_of(world, surface, ray, hit);
     place->world = beneath(ray_point(ray, hit->t), place->world_normal);
     place->world_footprint = footprint;
     place->time = ray->time;
