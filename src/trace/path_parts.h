@@ -110,6 +110,15 @@ static inline void path_init(Path *path, Tracer *tracer, Sampler sampler)
     path->probing.bent = path->probing.is_probe = path->probing.found = false;
 }
 
+/* A scattering whose density per steradian is above this sends light on almost as a smooth surface does: it is about that
+ * of a roughness of 0.25. */
+#define NEARLY_SMOOTH 20.0f
+/* Whether the last scattering was one that guiding can find the way back through. */
+static inline bool path_went_straight(const Path *path)
+{
+    return path->scatter_pdf < 0 || path->scatter_pdf > NEARLY_SMOOTH;
+}
+
 /* What counts of a radiance that it meets now. */
 static inline Lanes path_carried(const Path *path)
 {
@@ -181,6 +190,9 @@ void path_follow_from_event(Path *path, Event *event);
 
 /* ---- sample.c ---- */
 
+/* Puts the path's ray at the camera, with the hulls that are around it there; false where there is nothing to look at, or when memory
+ * ends, which the tracer is told. */
+bool path_begin_at_camera(Path *path, FilmPoint point);
 /* Keeps what the second path of its sample needs, in path->fork. */
 void path_keep_fork(Path *path, const Event *event);
 

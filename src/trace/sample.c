@@ -139,6 +139,30 @@ static void set_colors(Path *path, IndexLanes lanes)
     path->color = path->colors[path->again];
 }
 
+bool path_begin_at_camera(Path *path, FilmPoint point)
+{
+    Tracer *tracer = path->tracer;
+    const World *world = tracer->world;
+    float lens[2] = {0, 0};
+    if (world->camera.lens_radius > 0) sampler_2d(&path->sampler, DIM_LENS, lens);
+    double time = world->moves ? (double)sampler_1d(&path->sampler, DIM_TIME) : 0;
+    SceneCamera moved;
+    const SceneCamera *camera = &world->camera;
+    if (camera->keys) {
+        moved = scene_camera_at(world->scene, camera, time);
+        camera = &moved;
+    }
+    Footprint footprint;
+    if (UNLIKELY(!camera_ray(camera, point, lens, &path->ray, &footprint))) return false;
+    path->ray.time = time;
+    path->ray.sight = true;
+    path->cone_width = footprint.width;
+    path->cone_spread = footprint.spread;
+    if (LIKELY(start_list(path, camera))) return true;
+    tracer->out_of_memory = true;
+    return false;
+}
+
 /* fork: where the second path is to begin; NULL: this is the second one. False where there is nothing to look at. */
 static bool follow_path(Tracer *tracer, const PixelSampler *pixel, FilmPoint point, const WavelengthSample *wavelengths,
                         IndexLanes lanes, PathFork *fork, Path *path)
@@ -152,31 +176,14 @@ static bool follow_path(Tracer *tracer, const PixelSampler *pixel, FilmPoint poi
     path->again = !fork;
     set_colors(path, lanes);
     path->fork = fork;
-    float lens[2] = {0, 0};
-    if (world->camera.lens_radius > 0) sampler_2d(&path->sampler, DIM_LENS, lens);
-    double time = world->moves ? (double)sampler_1d(&path->sampler, DIM_TIME) : 0;
-    SceneCamera moved;
-    const SceneCamera *camera = &world->camera;
-    if (camera->keys) {
-        moved = scene_camera_at(world->scene, camera, time);
-        camera = &moved;
-    }
-    Footprint footprint;
     tracer->reflected.mean = -1;
-    if (UNLIKELY(!camera_ray(camera, point, lens, &path->ray, &footprint))) {
+    if (UNLIKELY(!path_begin_at_camera(path, point))) {
         tracer->seen = SCENE_NONE;
         tracer->first_sight = (FirstSight){.object = SCENE_NONE, .medium = SCENE_NONE, .through = SCENE_NONE};
         tracer->behind = tracer->first_sight;
         return false;
     }
-    path->ray.time = time;
-    path->ray.sight = true;
-    path->cone_width = footprint.width;
-    path->cone_spread = footprint.spread;
-    if (LIKELY(start_list(path, camera)))
-        path_follow_from_camera(path);
-    else
-        tracer->out_of_memory = true;
+    path_follow_from_camera(path);
     return true;
 }
 
