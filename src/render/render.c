@@ -723,6 +723,8 @@ Status render_go_on(const CompiledScene *compiled, const RenderSettings *setting
     World world;
     TRY(world_init(&world, compiled, settings->camera, settings->bounces, settings->no_absorption, pool, error));
     world.trial = settings->trial;
+    world.width = settings->width;
+    world.height = settings->height;
     double cpu = clock_cpu_s(), now = clock_now_s();
     if (settings->by_chance) world_leave_to_chance(&world);
     if (settings->no_airlight) world.seeks_airlight = false;

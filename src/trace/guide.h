@@ -52,7 +52,7 @@ typedef struct GuideCell {
 
 typedef struct Guide Guide;
 
-/* What makes a guide. A photon takes 116 bytes until the guide is made, and each that becomes a lobe some 150 bytes of
+/* What makes a guide. A photon takes 120 bytes until the guide is made, and each that becomes a lobe some 150 bytes of
  * it then. */
 typedef struct GuideSettings {
     uint32_t width, height; /* of the picture */

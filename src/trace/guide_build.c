@@ -201,9 +201,10 @@ static void find_scattered(GuideCell *cell, const Photon *photons, uint32_t n, f
     for (uint32_t k = 0; k < n; k++) {
         const Photon *photon = &photons[k];
         if (vec3f_dot(photon->normal, photon->normal) > 0) continue;
-        sum += photon->flux;
-        of_color += photon->flux * photon->color;
-        of_square += photon->flux * photon->color * photon->color;
+        float flux = photon_flux_there(photon);
+        sum += flux;
+        of_color += flux * photon->color;
+        of_square += flux * photon->color * photon->color;
     }
     cell->scattered = volume > 0 && isfinite(sum * scale / volume) ? sum * scale / volume : 0;
     if (!(cell->scattered > 0)) return;
@@ -230,7 +231,7 @@ static void fit_cell(void *context, uint32_t i, unsigned worker)
     cell->low = vec3f_along(cell->low, -1, more);
     cell->high = vec3f_add(cell->high, more);
     cell->share = cell->looks = 0.5f;
-    for (uint32_t k = 0; k < n; k++) flux += photons[k].flux * b->scale;
+    for (uint32_t k = 0; k < n; k++) flux += photon_flux_there(&photons[k]) * b->scale;
     find_scattered(cell, photons, n, b->scale);
     float area = cell_area(photons, n);
     cell->radiance = area > 0 ? flux / area / SAMPLING_PI : 0;

@@ -68,13 +68,13 @@ static GuideLobe lobe_of_all(const Photon *photons, uint32_t n)
     Vec3f sum = vec3f(0, 0, 0);
     float flux = 0, xx = 0, xy = 0, yy = 0;
     for (uint32_t i = 0; i < n; i++) {
-        sum = vec3f_along(sum, photons[i].flux, photons[i].from);
-        flux += photons[i].flux;
+        sum = vec3f_along(sum, photon_flux_there(&photons[i]), photons[i].from);
+        flux += photon_flux_there(&photons[i]);
     }
     GuideLobe lobe = {.axis = vec3f_length(sum) > 1e-3f * flux ? vec3f_normalize(sum) : photons[0].from};
     sampling_basis(lobe.axis, &lobe.x, &lobe.y);
     for (uint32_t i = 0; i < n; i++) {
-        float w = photons[i].flux / flux, p[2];
+        float w = photon_flux_there(&photons[i]) / flux, p[2];
         in_plane(&lobe, photons[i].from, p);
         xx += w * p[0] * p[0], xy += w * p[0] * p[1], yy += w * p[1] * p[1];
     }
@@ -157,7 +157,7 @@ static uint32_t best_lobe_for(const GuidePhotons *cell, const GuideLobe *lobes, 
 static float flux_of(const Photon *photons, uint32_t n)
 {
     float sum = 0;
-    for (uint32_t i = 0; i < n; i++) sum += photons[i].flux;
+    for (uint32_t i = 0; i < n; i++) sum += photon_flux_there(&photons[i]);
     return sum;
 }
 
@@ -181,7 +181,7 @@ static uint32_t add_unknown(const GuidePhotons *cell, const GuideLobe *lobes, co
         if (k == n_unknown)
             unknown[n_unknown++] =
                 (Unknown){.photon = photon, .lobe = lobe_of_photon(photon, cell->origin), .own = own};
-        unknown[k].flux += part * photon->flux;
+        unknown[k].flux += part * photon_flux_there(photon);
         unknown[k].n += part;
     }
     return n_unknown;
@@ -336,10 +336,10 @@ static float deal_out(const GuidePhotons *cell, const GuideLobe *lobes, Sheet *s
     for (const Photon *photon = cell->photons; photon < cell->photons + cell->n; photon++) {
         Sheet *sheet = sheet_of(cell, lobes, photon, sheets);
         if (!sheet) {
-            lost += photon->flux;
+            lost += photon_flux_there(photon);
             continue;
         }
-        sheet->flux += photon->flux;
+        sheet->flux += photon_flux_there(photon);
         if (sheet->n < HELD_TO) sheet->photons[sheet->n++] = photon;
     }
     return lost;
@@ -356,7 +356,7 @@ static float deal_out_near(const GuidePhotons *cell, const GuideLobe *lobes, She
             const Photon *photon = &cell->near[side].photons[i];
             Sheet *sheet = sheet_of(cell, lobes, photon, sheets);
             if (!sheet) continue;
-            sheet->near_flux += cell->near_part * photon->flux;
+            sheet->near_flux += cell->near_part * photon_flux_there(photon);
             sheet->n_near += cell->near_part;
             if (sheet->n < HELD_TO) sheet->photons[sheet->n++] = photon;
         }

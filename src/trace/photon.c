@@ -9,9 +9,6 @@
 #include "trace/photon_start.h"
 #include "trace/shade.h"
 
-/* A scattering whose density per steradian is above this sends light on almost as a smooth surface does: it is about that
- * of a roughness of 0.25. */
-#define NEARLY_SMOOTH 20.0f
 /* Boundaries and mirrors that a photon is followed through. */
 enum { MOST_EVENTS = 64 };
 enum { BATCH = 256 };
@@ -33,12 +30,6 @@ static void land(const Path *path, const Event *event, float flux, Photon *photo
     if (isfinite(carried) && carried > 0) photon->flux = carried;
 }
 
-/* Whether the last scattering was one that guiding can find the way back through. */
-static bool went_straight(const Path *path)
-{
-    return path->scatter_pdf < 0 || path->scatter_pdf > NEARLY_SMOOTH;
-}
-
 /* Follows a photon to where it ends; false: to no place of use. */
 static bool follow_photon(Path *path, float flux, Photon *photon)
 {
@@ -54,12 +45,12 @@ static bool follow_photon(Path *path, float flux, Photon *photon)
         bool goes_on = false, straight = false;
         Vec3f before = path->ray.direction;
         if (event.kind == EVENT_BOUNDARY) {
-            goes_on = path_cross_boundary(path, &event) && went_straight(path);
+            goes_on = path_cross_boundary(path, &event) && path_went_straight(path);
         } else if (event.kind == EVENT_OPAQUE) {
             const SceneObject *object = &scene->objects[event.hit.object];
             if (object->light != SCENE_NONE || object->surface == SCENE_NONE) return false;
-            goes_on =
-                scene->surfaces[object->surface].finished && path_shade_opaque(path, &event) && went_straight(path);
+            goes_on = scene->surfaces[object->surface].finished && path_shade_opaque(path, &event) &&
+                      path_went_straight(path);
             straight = scene_is_pane(scene, event.hit.object) && vec3f_dot(before, path->ray.direction) > 0.999999f;
         }
         uint64_t step = event.kind == EVENT_SCATTER ? 0 : 2 * (uint64_t)event.hit.object + 1;
@@ -344,6 +335,7 @@ static void trace_batch(void *context, uint32_t batch, unsigned worker)
         float radiance = lanes_mean(start.light.radiance);
         if (follow_photon(&path, radiance * start.flux_times_n, photon)) {
             photon->radiance = radiance;
+            photon->more = start.more;
             photon->number = number;
             photon->color = guide_color(lanes_get(path.wavelengths.nm, 0));
         } else {
@@ -437,7 +429,8 @@ float photon_other_light(Tracer *tracer, Vec3f place, Vec3f normal, float thresh
     float cosine = vec3f_dot(normal, normal) > 0 ? vec3f_dot(light.direction, normal) : 1;
     if (!(light.pdf_w > 0) || light.delta || !(cosine > 0)) return 0;
     /* started off the surface by what may be too much for a picture */
-    double off = 1e-5 * vec3_length(vec3_sub(bounds.max, bounds.min));
+    double off = 1e-5 * (box3_is_empty(bounds) ? vec3_length(vec3_sub(from, tracer->world->camera.from))
+                                               : vec3_length(vec3_sub(bounds.max, bounds.min)));
     Ray ray = ray_make(vec3_along(from, off, vec3_from_f(normal)), light.direction);
     ray.time = path.ray.time;
     ray.t_max = light.distance;

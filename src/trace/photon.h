@@ -41,7 +41,14 @@ typedef struct Photon {
     uint32_t number; /* of all that were followed */
     uint32_t way;    /* the same for those that met the same surfaces, and did the same there */
     uint32_t lobe;   /* 1: photons_look_around was here */
+    float more; /* far parts of a sea fill little of the picture, so that their flux counts less: it is 1 + more times that */
 } Photon;
+
+/* What it carries, whatever that counts. */
+static inline float photon_flux_there(const Photon *photon)
+{
+    return photon->flux * (1 + photon->more);
+}
 
 /* An emitter that is flat and shines into a cone. */
 typedef struct PhotonLamp {
@@ -49,12 +56,16 @@ typedef struct PhotonLamp {
     double power; /* of this and all before */
 } PhotonLamp;
 
-/* Boxes around all that bends or mirrors light, and lamps that have photons of their own. */
-enum { PHOTON_TARGETS = 64 };
+/* Boxes around all that bends or mirrors light, and lamps that have photons of their own. What has no end is many boxes side by
+ * side, to which photons are sent as the picture needs them. */
+enum { PHOTON_TARGETS = 64, PHOTON_TILES = 28 };
 typedef struct PhotonTargets {
-    Box3 boxes[PHOTON_TARGETS];
-    double cumulative[PHOTON_TARGETS]; /* area of this and all before */
-    uint32_t n;
+    Box3 boxes[PHOTON_TARGETS + PHOTON_TILES];
+    double cumulative[PHOTON_TARGETS + PHOTON_TILES]; /* area of this and all before, times density */
+    double density[PHOTON_TARGETS + PHOTON_TILES];    /* of photons on its surface */
+    double more[PHOTON_TARGETS + PHOTON_TILES];       /* see Photon; all areas, less as that counts, are the last sum */
+    uint32_t n, n_tiles;                              /* the tiles come last, */
+    int up;                                           /* and go from the bottom to the surface along this axis, 0 .. 2 */
     PhotonLamp *lamps;
     size_t n_lamps;
 } PhotonTargets;

@@ -21,6 +21,7 @@ static uint32_t target_point(const PhotonTargets *targets, const float u[3], Vec
     uint32_t chosen = 0;
     while (chosen + 1 < targets->n && place >= targets->cumulative[chosen]) chosen++;
     if (chosen) place -= targets->cumulative[chosen - 1];
+    place /= targets->density[chosen];
     Box3 box = targets->boxes[chosen];
     Vec3 size = vec3_sub(box.max, box.min);
     double pair[3] = {size.y * size.z, size.z * size.x, size.x * size.y};
@@ -83,6 +84,18 @@ static Vec3 face_at(const Box3 *box, Vec3 p)
     return normals[nearest];
 }
 
+/* How far it may be at most from a point of a box to above a sea, in the direction of a light. Surfaces may be slanted, and are in
+ * the tiles; of light that comes next to level they mirror nearly all. */
+static double way_to_air(const PhotonTargets *targets, const Box3 *box, Vec3 direction)
+{
+    const double slanted = 2, level = 0.01;
+    if (!targets->n_tiles) return 0;
+    Box3 both = box3_union(*box, targets->boxes[targets->n - 1]);
+    const double sizes[3] = {both.max.x - both.min.x, both.max.y - both.min.y, both.max.z - both.min.z};
+    const double along[3] = {direction.x, direction.y, direction.z};
+    return slanted * sizes[targets->up] / fmax(fabs(along[targets->up]), level);
+}
+
 /* ---- starts ---- */
 
 void photon_choose_light(const Path *path, const PhotonStart *start, Vec3 from, Vec3f normal, LightSample *light)
@@ -109,6 +122,7 @@ static bool start_at_box(const PhotonTargets *targets, const Path *path, const f
     photon_choose_light(path, start, start->point, vec3f(0, 0, 0), &start->light);
     const LightSample *light = &start->light;
     if (!(light->pdf_w > 0) || light->delta) return false;
+    start->beyond = way_to_air(targets, &targets->boxes[chosen], vec3_from_f(light->direction));
     if (light->emitter != EMITTER_NONE && light_send_extent(world, light->emitter) > 0) return false; /* has its own */
     Vec3 direction = vec3_from_f(light->direction);
     double cosine = vec3_dot(direction, start->normal);
@@ -118,7 +132,8 @@ static bool start_at_box(const PhotonTargets *targets, const Path *path, const f
         return false;
     for (uint32_t i = 0; i < targets->n; i++)
         if (i != chosen && first_of_box(&targets->boxes[i], start->point, direction) < light->distance) return false;
-    double area = targets->cumulative[targets->n - 1];
+    double area = targets->cumulative[targets->n - 1] / (targets->density[chosen] * (1 + targets->more[chosen]));
+    start->more = (float)targets->more[chosen];
     start->flux_times_n = (float)(area * fabs(cosine) / (double)light->pdf_w);
     return true;
 }
@@ -160,6 +175,8 @@ static bool start_at_lamp(const PhotonTargets *targets, const Path *path, double
     start->point = vec3_along(origin, nearest, vec3_from_f(direction));
     start->normal = face_at(&targets->boxes[chosen], start->point);
     start->size = box_size(&targets->boxes[chosen]);
+    start->beyond = 0; /* a lamp is not that far */
+    start->more = 0;
     start->light.pdf_w = 0;
     for (start->attempt = 0; start->attempt < ATTEMPTS; start->attempt++) {
         photon_choose_light(path, start, start->point, vec3f(0, 0, 0), &start->light);
@@ -194,8 +211,10 @@ bool photon_leave_light(Path *path, const PhotonStart *start)
     nest_list_empty(&tracer->list);
     if (!isfinite(start->light.distance)) {
         Box3 bounds = rtc_scene_bounds(compiled->rtc);
-        double far = vec3_length(vec3_sub(bounds.max, bounds.min)) +
-                     vec3_length(vec3_sub(start->point, vec3_scale(vec3_add(bounds.min, bounds.max), 0.5)));
+        double far = start->beyond;
+        if (!box3_is_empty(bounds))
+            far += vec3_length(vec3_sub(bounds.max, bounds.min)) +
+                   vec3_length(vec3_sub(start->point, vec3_scale(vec3_add(bounds.min, bounds.max), 0.5)));
         path->ray = ray_make(vec3_along(start->point, far, vec3_from_f(start->light.direction)), travel);
     } else if (start->light.glow) {
         double time = path->ray.time;

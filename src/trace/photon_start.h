@@ -10,10 +10,12 @@
 typedef struct PhotonStart {
     Vec3 point, normal; /* of the target's face */
     double size;        /* of the target */
+    double beyond;      /* how far from all bounded things light from infinity starts: surfaces may reach there, too */
     uint32_t emitter;   /* that it was sent from; EMITTER_NONE: the light was chosen among all; */
     uint32_t attempt;   /* and with which of the path's numbers for that a place on it was found */
     LightSample light;
     Vec3f turned;       /* zero, or where the light is seen, if the light's direction is another one, beside it */
+    float more;         /* see Photon; already taken off this: */
     float flux_times_n; /* what all photons together carry, if they all were like this one, by its radiance */
 } PhotonStart;
 

@@ -7,6 +7,7 @@
 #include "base/array.h"
 #include "optics/color.h"
 #include "trace/path_parts.h"
+#include "trace/photon_sea.h"
 
 /* Whether light is bent at its surface; the media around are not known yet, so that the world's stands for them. */
 static bool bends(const World *world, uint32_t medium)
@@ -28,12 +29,22 @@ static bool mirrors(const World *world, const SceneObject *object)
            spec->specular_roughness <= smooth;
 }
 
-/* The box of an object that photons should be sent to; false: none. */
-static bool target_of(const World *world, uint32_t number, Box3 *box)
+/* Whether an object is clear, bends light and has no end. */
+static bool is_sea(const World *world, uint32_t number)
 {
     const CompiledScene *compiled = world->compiled;
     const SceneObject *object = &world->scene->objects[number];
-    if (object->part_of != SCENE_NONE) return false;
+    uint32_t hull = compiled->hull_of_object[number];
+    return object->part_of == SCENE_NONE && object->medium != SCENE_NONE && hull < compiled->n_hulls &&
+           compiled->unbounded[hull] && bends(world, object->medium);
+}
+
+/* The box of an object that photons should be sent to; false: none. seas: of objects, those that have tiles; NULL: none. */
+static bool target_of(const World *world, const bool *seas, uint32_t number, Box3 *box)
+{
+    const CompiledScene *compiled = world->compiled;
+    const SceneObject *object = &world->scene->objects[number];
+    if (object->part_of != SCENE_NONE || (seas && seas[number])) return false;
     uint32_t hull = compiled->hull_of_object[number];
     if (object->medium != SCENE_NONE) {
         if (hull == SCENE_NONE || hull >= compiled->n_hulls || !bends(world, object->medium)) return false;
@@ -65,14 +76,14 @@ static void join_boxes(PhotonTargets *targets)
 }
 
 /* Of many objects, one box for those whose centres are in the same of 4 x 4 x 4 parts of what they take up. */
-static void join_by_place(const World *world, Box3 all, PhotonTargets *targets)
+static void join_by_place(const World *world, const bool *seas, Box3 all, PhotonTargets *targets)
 {
     enum { PARTS = 4 };
     Box3 cells[PARTS * PARTS * PARTS], box;
     Vec3 size = vec3_sub(all.max, all.min);
     for (int i = 0; i < PARTS * PARTS * PARTS; i++) cells[i] = box3_empty();
     for (uint32_t i = 0; i < world->scene->n_objects; i++) {
-        if (!target_of(world, i, &box)) continue;
+        if (!target_of(world, seas, i, &box)) continue;
         Vec3 centre = vec3_sub(vec3_scale(vec3_add(box.min, box.max), 0.5), all.min);
         double along[3] = {centre.x, centre.y, centre.z}, sizes[3] = {size.x, size.y, size.z};
         int cell = 0;
@@ -109,31 +120,66 @@ void photon_targets_clear(PhotonTargets *targets)
     free(targets->lamps);
 }
 
-Status photon_targets(const World *world, PhotonTargets *targets, Error *error)
+/* Boxes of all but the seas that have tiles. */
+static void find_boxes(const World *world, const bool *seas, PhotonTargets *targets)
 {
     Box3 all = box3_empty(), box;
     bool many = false;
-    targets->n = 0;
-    targets->lamps = NULL;
-    targets->n_lamps = 0;
     for (uint32_t i = 0; i < world->scene->n_objects; i++) {
-        if (!target_of(world, i, &box)) continue;
+        if (!target_of(world, seas, i, &box)) continue;
         all = box3_union(all, box);
         many |= targets->n == PHOTON_TARGETS;
         if (!many) targets->boxes[targets->n++] = box;
     }
-    if (many) join_by_place(world, all, targets);
+    if (many) join_by_place(world, seas, all, targets);
     join_boxes(targets);
-    double sum = 0;
     for (uint32_t i = 0; i < targets->n; i++) {
         /* a little more than the objects, so that no surface lies in a face */
         Vec3 slack = vec3_scale(vec3_sub(targets->boxes[i].max, targets->boxes[i].min), 1e-3);
         targets->boxes[i].min = vec3_sub(targets->boxes[i].min, slack);
         targets->boxes[i].max = vec3_add(targets->boxes[i].max, slack);
-        sum += box_area(targets->boxes[i]);
+    }
+}
+
+/* By area; but tiles get photons by their part of these. Other boxes, which the camera may look at from near by, get them denser
+ * than a sea, up to half of all; but not so dense that where they land they would be taken for all light that comes there. */
+static void share_out(const PhotonTile *tiles, PhotonTargets *targets)
+{
+    const double densest = 24;
+    double of_boxes = 0, of_tiles = 0, sum = 0;
+    uint32_t n_boxes = targets->n - targets->n_tiles;
+    for (uint32_t i = 0; i < targets->n; i++) {
+        targets->more[i] = i < n_boxes ? 0 : tiles[i - n_boxes].more;
+        *(i < n_boxes ? &of_boxes : &of_tiles) += box_area(targets->boxes[i]) / (1 + targets->more[i]);
+    }
+    double denser = 1;
+    if (n_boxes && of_boxes < of_tiles) denser = fmin(0.5 * (of_boxes + of_tiles) / of_boxes, densest);
+    double left = of_boxes + of_tiles - denser * of_boxes;
+    for (uint32_t i = 0; i < targets->n; i++) {
+        double area = box_area(targets->boxes[i]);
+        targets->density[i] = i < n_boxes ? denser : left * tiles[i - n_boxes].part / area;
+        sum += area * targets->density[i];
         targets->cumulative[i] = sum;
     }
-    Status status = find_lamps(world, targets, error);
+}
+
+Status photon_targets(const World *world, PhotonTargets *targets, Error *error)
+{
+    PhotonTile tiles[PHOTON_TILES];
+    bool *seas = NULL, any = false;
+    Status status = STATUS_OK;
+    *targets = (PhotonTargets){.n = 0};
+    if (world->compiled->n_planes) {
+        seas = calloc(world->scene->n_objects + 1U, sizeof *seas);
+        if (!seas) return fail_memory(error, world->scene->n_objects, "photons");
+        for (uint32_t i = 0; i < world->scene->n_objects; i++) any |= seas[i] = is_sea(world, i);
+    }
+    if (any) status = photon_sea_tiles(world, seas, tiles, &targets->n_tiles, &targets->up, error);
+    find_boxes(world, targets->n_tiles ? seas : NULL, targets);
+    free(seas);
+    for (uint32_t i = 0; i < targets->n_tiles; i++) targets->boxes[targets->n++] = tiles[i].box;
+    share_out(tiles, targets);
+    if (status == STATUS_OK) status = find_lamps(world, targets, error);
     if (status != STATUS_OK) photon_targets_clear(targets);
     return status;
 }

@@ -292,8 +292,12 @@ static Status init_parts(World *world, uint32_t camera, Pool *pool, Error *error
 Status world_init(World *world, const CompiledScene *compiled, uint32_t camera, uint32_t max_bounces,
                   bool no_absorption, Pool *pool, Error *error)
 {
-    *world = (World){
-        .compiled = compiled, .scene = compiled->scene, .no_absorption = no_absorption, .max_bounces = max_bounces};
+    *world = (World){.compiled = compiled,
+                     .scene = compiled->scene,
+                     .no_absorption = no_absorption,
+                     .max_bounces = max_bounces,
+                     .width = compiled->scene->film.width,
+                     .height = compiled->scene->film.height};
     nest_list_init(&world->camera_list);
     Status status = init_parts(world, camera, pool, error);
     if (status != STATUS_OK) world_clear(world);

@@ -90,6 +90,7 @@ typedef struct World {
     Box3 *mesh_boxes; /* of each shape that is a mesh without coordinates, for texture_uv; NULL: they were not asked for */
     WavelengthLines *lines;   /* NULL: no light is one */
     ReflectedColor reflected; /* for the albedo that is seen first */
+    uint32_t width, height; /* of the picture: the film's, until render.c sets those that were asked for */
     SceneCamera camera; /* of the scene, off the surfaces of operands that are none of their combinations */
 } World;
 

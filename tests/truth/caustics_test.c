@@ -189,6 +189,59 @@ static void same_mean(void **state)
     }
 }
 
+/* ---- seas ---- */
+
+/* A sea over a bottom, in the sun, without end or as a box so large that nothing tells. */
+#define SEA "plane { distance = 6000  interior = water }\n"
+#define LARGE_BOX "box { interior = water  from = <-3e6, -1000, -3e6>  to = <3e6, 6000, 3e6> }\n"
+#define SEA_LIGHT                                                                                                      \
+    "medium water { ior = 1.333  state = liquid } ground { surface = surface { albedo = .5 } }\n"                      \
+    "environment { color = .1 }\n"                                                                                     \
+    "light { shape = distant  from = <.5, 1, .3>  to = <0, 0, 0>  angle = 1deg  power = 5 }\n"
+
+/* The same, as the total of a picture that shows other things here and there. */
+static Measured measure_total(const char *begin, const char *water, const char *end, uint32_t samples)
+{
+    enum { PICTURE = 24 };
+    char text[2000];
+    Fixture scene;
+    Picture picture;
+    assert_in_range(snprintf(text, sizeof text, "%s%s%s", begin, water, end), 1, sizeof text - 1);
+    truth_open(&scene, (TruthInput){.text = text, .policy = NEST_AUTOMATIC});
+    RenderSettings settings = truth_settings(PICTURE, samples);
+    settings.caustics = CAUSTICS_ON;
+    truth_render(&scene, &settings, 0, &picture);
+    assert_int_equal(picture.stats.nesting_faults, 0);
+    Measured measured = {truth_total(&picture), picture.stats.guide, picture.stats.cpu_seconds};
+    truth_clear(&picture);
+    fixture_clear(&scene);
+    return measured;
+}
+
+/* Nothing bounded is there to say how far photons are to go, or it is far from where the camera looks: what the camera sees does. */
+static void seas_without_end(void **state)
+{
+    (void)state;
+    const struct {
+        const char *what, *camera;
+    } views[] = {
+        {"a sea, straight down from 4 m", "camera { from = <0, 4000, 0>  to = <0, 0, -1>  fov = 40 }\n"},
+        {"a sea, up to 70 m away from 9 m, with a ball",
+         "sphere { radius = 800 surface = surface { albedo = .5 } }\n"
+         "camera { from = <0, 9000, 20000>  to = <0, 0, 0>  fov = 30 }\n"},
+        {"a sea, from within", "camera { from = <0, 4000, 0>  to = <0, 0, -20000>  fov = 30 }\n"},
+        {"a sea, up to its horizon", "camera { from = <0, 7600, 0>  to = <0, 7000, -3000>  fov = 60 }\n"},
+    };
+    for (size_t i = 0; i < COUNT_OF(views); i++) {
+        Measured endless = measure_total("meniscus 1.0 unit mm\n" SEA_LIGHT, SEA, views[i].camera, 200),
+                 box = measure_total("meniscus 1.0 unit mm\n" SEA_LIGHT, LARGE_BOX, views[i].camera, 200);
+        assert_true(endless.guide.landed > 0);
+        truth_alike(views[i].what, box.mean, endless.mean, 4, 0.03);
+        printf("    %-66s %.2g times the error of a box\n", "", endless.mean.error / box.mean.error);
+        assert_true(endless.mean.error < 0.01 * endless.mean.mean);
+    }
+}
+
 /* ---- bits ---- */
 
 static void any_threads_and_idle_scenes(void **state)
@@ -288,6 +341,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(closed_forms),
         cmocka_unit_test(same_mean),
+        cmocka_unit_test(seas_without_end),
         cmocka_unit_test(any_threads_and_idle_scenes),
         cmocka_unit_test(guides_unasked),
     };
