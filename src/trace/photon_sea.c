@@ -4,7 +4,9 @@
 
 #include <stdlib.h>
 
+#include "trace/event.h"
 #include "trace/path_parts.h"
+#include "trace/shade.h"
 
 enum { VIEWS = 1 << 13, LEAST_LANDINGS = 16, MOST_EVENTS = 64, MOST_LANDINGS = 4 /* of a path */ };
 /* Tiles of what is seen; and around these, up to four of what things near by may mirror or cast onto them. */
