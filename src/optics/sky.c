@@ -8,7 +8,7 @@
 #include "base/angle.h"
 #include "optics/sky_field.h"
 
-enum { BANDS = AIR_BANDS, WIDTH = 256, HEIGHT = 128 };
+enum { BANDS = AIR_BANDS, WIDTH = 256, HEIGHT = 128, FIRST_LAND = HEIGHT / 2 + 1 /* row */ };
 
 static const double eye_height = 1e-3;
 
@@ -45,9 +45,12 @@ static void sum_upper(const float *values, double level[BANDS])
     }
 }
 
+/* The row below the horizon is as the one above: between the two, which are 1.4 degrees apart, the sky over a sea would be land in part. */
 static void fill_lower(const float ground[BANDS], float *values, const double level[BANDS])
 {
-    for (size_t i = (size_t)WIDTH * HEIGHT / 2; i < (size_t)WIDTH * HEIGHT; i++)
+    const size_t row = (size_t)WIDTH * BANDS;
+    memcpy(values + FIRST_LAND * row - row, values + FIRST_LAND * row - 2 * row, row * sizeof *values);
+    for (size_t i = (size_t)FIRST_LAND * WIDTH; i < (size_t)WIDTH * HEIGHT; i++)
         for (int k = 0; k < BANDS; k++) values[i * BANDS + (size_t)k] = ground[k] * (float)(level[k] / MEN_PI);
 }
 
@@ -107,9 +110,9 @@ Status sky_new_overcast(const SkyModel *model, Environment **environment, Error 
     for (int k = 0; k < BANDS; k++)
         ground[k] = (float)(level / MEN_PI) * spectrum_at_one(model->ground, (float)air_band_nm(k));
     for (int row = 0; row < HEIGHT; row++) {
-        float radiance = (float)(zenith * (1 + 2 * cos(MEN_PI * (row + 0.5) / HEIGHT)) / 3);
+        float radiance = (float)(zenith * (1 + 2 * fmax(cos(MEN_PI * (row + 0.5) / HEIGHT), 0)) / 3);
         for (int i = 0; i < WIDTH * BANDS; i++)
-            values[(size_t)row * WIDTH * BANDS + (size_t)i] = row < HEIGHT / 2 ? radiance : ground[i % BANDS];
+            values[(size_t)row * WIDTH * BANDS + (size_t)i] = row < FIRST_LAND ? radiance : ground[i % BANDS];
     }
     Status status = environment_new_bands(values, WIDTH, HEIGHT, white, environment, error);
     free(values);

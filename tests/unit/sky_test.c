@@ -149,6 +149,10 @@ static void looks_like_a_sky(void **state)
     assert_true(zenith[2] > 1.6 * zenith[0] && zenith[2] > zenith[1] && zenith[1] > zenith[0]); /* blue */
     assert_true(horizon[2] / horizon[0] < 0.7 * zenith[2] / zenith[0]);                         /* paler below */
     assert_true(luminance(horizon) > 1.5 * luminance(zenith));
+    double lowest[3], low[3];
+    colour_of(noon.sky, towards(0.0005, pi), lowest);
+    colour_of(noon.sky, towards(0.015, pi), low);
+    assert_near(luminance(lowest), luminance(low), 0.05 * luminance(low)); /* nothing of the land below is in it */
     colour_of(noon.sky, towards(0.5, 1), left);
     colour_of(noon.sky, towards(0.5, -1), right);
     for (int c = 0; c < 3; c++) assert_near(left[c], right[c], 1e-3 * left[c]);
