@@ -17,6 +17,9 @@
 #define UNKNOWN 0.05f
 /* Part of the directions that is chosen broadly. */
 #define BROAD 0.15f
+/* Colours that go farther apart than this, in radians, are those of a prism, whose lobes are not trusted by what photons of other
+ * colours say: it costs a third of the error there, in water nothing. */
+#define PARTED 0.01f
 /* Photons of a sheet, of many, that lobes are held to; and how many are enough to say that a lobe is right. */
 enum { HELD_TO = 48, ENOUGH = 16 };
 /* Directions that are farther from what is known of a sheet are not of it, in radians. Its bends over a cell are less; two
@@ -316,7 +319,8 @@ static float bend_of(const GuidePhotons *cell, const GuideLobe *lobes, const Gui
     if (lobes[self].n_sheet == 1 || cell->known[self].lent)
         return bend_by_photons(cell, lobes, sheet, self, size, few);
     float bend = bend_by_lobes(lobes, fours, sheet, self, size);
-    if (sheet->n < ENOUGH) return bend;
+    bool parts_colors = fabsf(lobes[self].hue_x) + fabsf(lobes[self].hue_y) + lobes[self].hue_bend > PARTED;
+    if (sheet->n < ENOUGH || parts_colors) return bend;
     return float_min(bend, bend_by_photons(cell, lobes, sheet, self, size, nearly_all));
 }
 
