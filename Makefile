@@ -351,6 +351,8 @@ lint: ## warnings as errors, layers, manual pages
 	@if command -v clang >/dev/null; then for f in $(filter-out src/cli/%.cpp,$(SOURCES)); do \
 	  clang $(CPPFLAGS_ALL) $(CHAFA_CFLAGS) -Ibuild/lint/generated $(CFLAGS_ALL) -Werror -fsyntax-only $$f || exit 1; done; \
 	  echo "lint: clang has nothing to say"; else echo "lint: no clang here, skipped"; fi
+	@if clang-format --version 2>/dev/null | grep -q ' 14\.'; then clang-format --dry-run -Werror $(FORMATTED) && \
+	  echo "lint: laid out as make format does"; else echo "lint: no clang-format 14 here, skipped"; fi
 	sh tests/layers.sh
 	sh tests/man.sh build/lint/meniscus
 

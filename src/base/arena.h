@@ -44,7 +44,7 @@ char *arena_format_list(Arena *arena, const char *format, va_list args) ATTR_PRI
 #define ARENA_ROOM(arena, items, capacity, n, first)                                                                   \
     do                                                                                                                 \
         if ((n) == (capacity)) {                                                                                       \
-            (capacity) = (capacity) ? (capacity) * 2 : (first);                                                        \
+            (capacity) = (capacity) ? (capacity)*2 : (first);                                                          \
             (items) = arena_regrow((arena), (items), (n), (capacity), sizeof *(items));                                \
         }                                                                                                              \
     while (0)

@@ -83,8 +83,7 @@ static Status read_all(int descriptor, const char *path, size_t expected, size_t
 
 Status file_read(const char *path, size_t limit, char **bytes, size_t *length, Error *error)
 {
-    if (strcmp(path, "-") == 0)
-        return read_all(STDIN_FILENO, "<stdin>", FIRST_READ, limit, bytes, length, error);
+    if (strcmp(path, "-") == 0) return read_all(STDIN_FILENO, "<stdin>", FIRST_READ, limit, bytes, length, error);
     int descriptor = open(path, O_RDONLY | O_CLOEXEC);
     if (descriptor < 0) {
         fail(error, STATUS_INPUT, "cannot read '%s': %s", path, strerror(errno));
@@ -174,7 +173,10 @@ size_t file_stem_length(const char *path)
     return strlen(path) - (*extension ? strlen(extension) + 1 : 0);
 }
 
-char *file_real_path(const char *path) { return realpath(path, NULL); }
+char *file_real_path(const char *path)
+{
+    return realpath(path, NULL);
+}
 
 /* ---- writing ---- */
 
@@ -187,7 +189,8 @@ static Status cannot_write(Error *error, const char *path, int reason)
              folder);
     free(folder);
     if (folder_lacks) return STATUS_OUTPUT;
-    if (strcmp(path, "-") == 0) return fail(error, STATUS_OUTPUT, "cannot write to standard output: %s", strerror(reason));
+    if (strcmp(path, "-") == 0)
+        return fail(error, STATUS_OUTPUT, "cannot write to standard output: %s", strerror(reason));
     return fail(error, STATUS_OUTPUT, "cannot write '%s': %s", path, strerror(reason));
 }
 

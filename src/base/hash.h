@@ -27,11 +27,20 @@ static inline uint64_t hash_u64(uint64_t x)
     return x ^ (x >> 31);
 }
 
-static inline uint32_t hash_combine(uint32_t seed, uint32_t x) { return hash_u32(seed ^ hash_u32(x + 0x9e3779b9U)); }
+static inline uint32_t hash_combine(uint32_t seed, uint32_t x)
+{
+    return hash_u32(seed ^ hash_u32(x + 0x9e3779b9U));
+}
 
 /* uniform in [0, 1) from the upper 53 bits of a hash, and in [0, 1) as a float from 32 bits */
-static inline double hash_to_unit(uint64_t x) { return (double)(x >> 11) * 0x1p-53; }
-static inline float hash_to_unit_f(uint32_t x) { return (float)(x >> 8) * 0x1p-24f; }
+static inline double hash_to_unit(uint64_t x)
+{
+    return (double)(x >> 11) * 0x1p-53;
+}
+static inline float hash_to_unit_f(uint32_t x)
+{
+    return (float)(x >> 8) * 0x1p-24f;
+}
 
 /* FNV-1a of bytes, 64 bits, for identities of names and files (not for randomness). */
 static inline uint64_t hash_bytes(const void *bytes, size_t length, uint64_t seed)

@@ -28,7 +28,7 @@ void json_end(JsonWriter *json); /* of the innermost object or array */
 void json_key(JsonWriter *json, const char *key);
 void json_text(JsonWriter *json, const char *text); /* NULL: null */
 void json_number(JsonWriter *json, double number);  /* the shortest text that reads back the same */
-void json_float(JsonWriter *json, float number);     /* that reads back as the same float: for all that is stored as one */
+void json_float(JsonWriter *json, float number); /* that reads back as the same float: for all that is stored as one */
 void json_whole(JsonWriter *json, uint64_t number);
 void json_truth(JsonWriter *json, bool truth);
 /* A value that is JSON already. */

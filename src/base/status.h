@@ -35,10 +35,10 @@ Status fail_memory(Error *error, size_t bytes, const char *what);
 
 /* Returns the status of expr from the calling function unless it is STATUS_OK. The only macro
  * here that hides a return. */
-#define TRY(expr)                                                                                  \
-    do {                                                                                           \
-        Status try_status_ = (expr);                                                               \
-        if (try_status_ != STATUS_OK) return try_status_;                                          \
+#define TRY(expr)                                                                                                      \
+    do {                                                                                                               \
+        Status try_status_ = (expr);                                                                                   \
+        if (try_status_ != STATUS_OK) return try_status_;                                                              \
     } while (0)
 
 #endif

@@ -13,8 +13,8 @@ Affine affine_compose(const Affine *a, const Affine *b)
     Affine c;
     for (int row = 0; row < 3; row++)
         for (int column = 0; column < 3; column++)
-            c.m[row][column] = a->m[row][0] * b->m[0][column] + a->m[row][1] * b->m[1][column] +
-                               a->m[row][2] * b->m[2][column];
+            c.m[row][column] =
+                a->m[row][0] * b->m[0][column] + a->m[row][1] * b->m[1][column] + a->m[row][2] * b->m[2][column];
     c.t = affine_point(a, b->t);
     return c;
 }
@@ -37,8 +37,7 @@ double affine_max_stretch(const Affine *a)
 bool affine_invert(const Affine *a, Affine *inverse)
 {
     double determinant = affine_determinant(a);
-    if (determinant == 0 || !isfinite(determinant) || !isfinite(1 / determinant) || !vec3_is_finite(a->t))
-        return false;
+    if (determinant == 0 || !isfinite(determinant) || !isfinite(1 / determinant) || !vec3_is_finite(a->t)) return false;
     Affine b;
     for (int row = 0; row < 3; row++)
         for (int column = 0; column < 3; column++) {
@@ -66,7 +65,8 @@ double affine_even_scale(const Affine *a, double slack)
          z = vec3(a->m[0][2], a->m[1][2], a->m[2][2]);
     double s = vec3_length(x), most = slack * s;
     bool even = fabs(vec3_length(y) - s) <= most && fabs(vec3_length(z) - s) <= most &&
-                fabs(vec3_dot(x, y)) <= most * s && fabs(vec3_dot(y, z)) <= most * s && fabs(vec3_dot(z, x)) <= most * s;
+                fabs(vec3_dot(x, y)) <= most * s && fabs(vec3_dot(y, z)) <= most * s &&
+                fabs(vec3_dot(z, x)) <= most * s;
     return even ? s : 0;
 }
 
@@ -74,9 +74,9 @@ Box3 affine_box(const Affine *a, Box3 b)
 {
     Box3 image = box3_empty();
     for (int corner = 0; corner < 8; corner++)
-        image = box3_add_point(image, affine_point(a, vec3(corner & 1 ? b.max.x : b.min.x,
-                                                           corner & 2 ? b.max.y : b.min.y,
-                                                           corner & 4 ? b.max.z : b.min.z)));
+        image =
+            box3_add_point(image, affine_point(a, vec3(corner & 1 ? b.max.x : b.min.x, corner & 2 ? b.max.y : b.min.y,
+                                                       corner & 4 ? b.max.z : b.min.z)));
     return image;
 }
 
@@ -88,7 +88,8 @@ Affine affine_between(const Affine *keys, uint32_t n, double time)
     const Affine *from = &keys[k], *to = &keys[k + 1];
     Affine map = {.t = vec3_add(vec3_scale(from->t, a), vec3_scale(to->t, b))};
     for (int row = 0; row < 3; row++)
-        for (int column = 0; column < 3; column++) map.m[row][column] = a * from->m[row][column] + b * to->m[row][column];
+        for (int column = 0; column < 3; column++)
+            map.m[row][column] = a * from->m[row][column] + b * to->m[row][column];
     return map;
 }
 

@@ -17,46 +17,109 @@ typedef struct Vec3f {
 } Vec3f;
 
 /* plain comparisons: fmax and fmin are calls of the mathematical library under our flags; not for NaN */
-static inline double double_max(double a, double b) { return a > b ? a : b; }
-static inline double double_min(double a, double b) { return a < b ? a : b; }
-static inline Vec3 vec3(double x, double y, double z) { return (Vec3){x, y, z}; }
-static inline Vec3 vec3_add(Vec3 a, Vec3 b) { return vec3(a.x + b.x, a.y + b.y, a.z + b.z); }
-static inline Vec3 vec3_sub(Vec3 a, Vec3 b) { return vec3(a.x - b.x, a.y - b.y, a.z - b.z); }
-static inline Vec3 vec3_scale(Vec3 a, double s) { return vec3(a.x * s, a.y * s, a.z * s); }
+static inline double double_max(double a, double b)
+{
+    return a > b ? a : b;
+}
+static inline double double_min(double a, double b)
+{
+    return a < b ? a : b;
+}
+static inline Vec3 vec3(double x, double y, double z)
+{
+    return (Vec3){x, y, z};
+}
+static inline Vec3 vec3_add(Vec3 a, Vec3 b)
+{
+    return vec3(a.x + b.x, a.y + b.y, a.z + b.z);
+}
+static inline Vec3 vec3_sub(Vec3 a, Vec3 b)
+{
+    return vec3(a.x - b.x, a.y - b.y, a.z - b.z);
+}
+static inline Vec3 vec3_scale(Vec3 a, double s)
+{
+    return vec3(a.x * s, a.y * s, a.z * s);
+}
 /* a + s * b */
 static inline Vec3 vec3_along(Vec3 a, double s, Vec3 b)
 {
     return vec3(a.x + s * b.x, a.y + s * b.y, a.z + s * b.z);
 }
-static inline double vec3_dot(Vec3 a, Vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+static inline double vec3_dot(Vec3 a, Vec3 b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 static inline Vec3 vec3_cross(Vec3 a, Vec3 b)
 {
     return vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
 }
-static inline double vec3_length(Vec3 a) { return sqrt(vec3_dot(a, a)); }
-static inline Vec3 vec3_normalize(Vec3 a) { return vec3_scale(a, 1 / vec3_length(a)); }
-static inline double vec3_max_abs(Vec3 a) { return double_max(fabs(a.x), double_max(fabs(a.y), fabs(a.z))); }
-static inline bool vec3_is_finite(Vec3 a) { return isfinite(a.x) && isfinite(a.y) && isfinite(a.z); }
-static inline Vec3 vec3_from_f(Vec3f a) { return vec3((double)a.x, (double)a.y, (double)a.z); }
+static inline double vec3_length(Vec3 a)
+{
+    return sqrt(vec3_dot(a, a));
+}
+static inline Vec3 vec3_normalize(Vec3 a)
+{
+    return vec3_scale(a, 1 / vec3_length(a));
+}
+static inline double vec3_max_abs(Vec3 a)
+{
+    return double_max(fabs(a.x), double_max(fabs(a.y), fabs(a.z)));
+}
+static inline bool vec3_is_finite(Vec3 a)
+{
+    return isfinite(a.x) && isfinite(a.y) && isfinite(a.z);
+}
+static inline Vec3 vec3_from_f(Vec3f a)
+{
+    return vec3((double)a.x, (double)a.y, (double)a.z);
+}
 
-static inline Vec3f vec3f(float x, float y, float z) { return (Vec3f){x, y, z}; }
-static inline Vec3f vec3f_add(Vec3f a, Vec3f b) { return vec3f(a.x + b.x, a.y + b.y, a.z + b.z); }
-static inline Vec3f vec3f_sub(Vec3f a, Vec3f b) { return vec3f(a.x - b.x, a.y - b.y, a.z - b.z); }
-static inline Vec3f vec3f_scale(Vec3f a, float s) { return vec3f(a.x * s, a.y * s, a.z * s); }
+static inline Vec3f vec3f(float x, float y, float z)
+{
+    return (Vec3f){x, y, z};
+}
+static inline Vec3f vec3f_add(Vec3f a, Vec3f b)
+{
+    return vec3f(a.x + b.x, a.y + b.y, a.z + b.z);
+}
+static inline Vec3f vec3f_sub(Vec3f a, Vec3f b)
+{
+    return vec3f(a.x - b.x, a.y - b.y, a.z - b.z);
+}
+static inline Vec3f vec3f_scale(Vec3f a, float s)
+{
+    return vec3f(a.x * s, a.y * s, a.z * s);
+}
 static inline Vec3f vec3f_along(Vec3f a, float s, Vec3f b)
 {
     return vec3f(a.x + s * b.x, a.y + s * b.y, a.z + s * b.z);
 }
-static inline float vec3f_dot(Vec3f a, Vec3f b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+static inline float vec3f_dot(Vec3f a, Vec3f b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 static inline Vec3f vec3f_cross(Vec3f a, Vec3f b)
 {
     return vec3f(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
 }
-static inline float vec3f_length(Vec3f a) { return sqrtf(vec3f_dot(a, a)); }
-static inline Vec3f vec3f_normalize(Vec3f a) { return vec3f_scale(a, 1 / vec3f_length(a)); }
-static inline Vec3f vec3f_negate(Vec3f a) { return vec3f(-a.x, -a.y, -a.z); }
+static inline float vec3f_length(Vec3f a)
+{
+    return sqrtf(vec3f_dot(a, a));
+}
+static inline Vec3f vec3f_normalize(Vec3f a)
+{
+    return vec3f_scale(a, 1 / vec3f_length(a));
+}
+static inline Vec3f vec3f_negate(Vec3f a)
+{
+    return vec3f(-a.x, -a.y, -a.z);
+}
 /* Rounds to the nearest float vector. */
-static inline Vec3f vec3f_from(Vec3 a) { return vec3f((float)a.x, (float)a.y, (float)a.z); }
+static inline Vec3f vec3f_from(Vec3 a)
+{
+    return vec3f((float)a.x, (float)a.y, (float)a.z);
+}
 /* Rounded to floats, as doubles. vec3_from_f(vec3f_from(a)) is not: gcc 12 makes vectors of neighbouring doubles and takes what
  * rounds them and back for nothing; `make lint` finds such places. */
 Vec3 vec3_rounded(Vec3 a);
@@ -77,7 +140,10 @@ static inline Vec3 affine_vector(const Affine *a, Vec3 v)
                 a->m[1][0] * v.x + a->m[1][1] * v.y + a->m[1][2] * v.z,
                 a->m[2][0] * v.x + a->m[2][1] * v.y + a->m[2][2] * v.z);
 }
-static inline Vec3 affine_point(const Affine *a, Vec3 p) { return vec3_add(affine_vector(a, p), a->t); }
+static inline Vec3 affine_point(const Affine *a, Vec3 p)
+{
+    return vec3_add(affine_vector(a, p), a->t);
+}
 /* The transposed linear part applied to v: with a the INVERSE map, this takes normals outward. */
 static inline Vec3 affine_normal(const Affine *inverse, Vec3 n)
 {
@@ -128,8 +194,14 @@ static inline Box3 box3_add_point(Box3 b, Vec3 p)
     b.max = vec3(double_max(p.x, b.max.x), double_max(p.y, b.max.y), double_max(p.z, b.max.z));
     return b;
 }
-static inline Box3 box3_union(Box3 a, Box3 b) { return box3_add_point(box3_add_point(a, b.min), b.max); }
-static inline bool box3_is_empty(Box3 b) { return !(b.min.x <= b.max.x); }
+static inline Box3 box3_union(Box3 a, Box3 b)
+{
+    return box3_add_point(box3_add_point(a, b.min), b.max);
+}
+static inline bool box3_is_empty(Box3 b)
+{
+    return !(b.min.x <= b.max.x);
+}
 /* the origin for an empty one */
 static inline Vec3 box3_centre(Box3 b)
 {

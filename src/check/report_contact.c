@@ -84,7 +84,8 @@ static bool is_same_place(Span a, Span b)
 }
 
 /* False: there are too many groups for another one. */
-static bool add_contact(const CompiledScene *compiled, Contacts *groups, uint32_t *n_groups, uint32_t hull, const Contact *contact)
+static bool add_contact(const CompiledScene *compiled, Contacts *groups, uint32_t *n_groups, uint32_t hull,
+                        const Contact *contact)
 {
     const SceneObject *objects = compiled->scene->objects;
     for (uint32_t i = 0; i < *n_groups; i++)

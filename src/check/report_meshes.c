@@ -136,16 +136,17 @@ void report_mesh_materials(const CompiledScene *compiled, Diag *diag)
     for (uint32_t i = 0; done && i < scene->n_objects; i++) {
         const SceneObject *object = &scene->objects[i];
         if (object->shape == SCENE_NONE) continue;
-        uint32_t layer_of = scene->shapes[object->shape].layer_of, at = layer_of == SCENE_NONE ? object->shape : layer_of;
+        uint32_t layer_of = scene->shapes[object->shape].layer_of,
+                 at = layer_of == SCENE_NONE ? object->shape : layer_of;
         const SceneMaterials *materials = scene->shapes[at].materials;
         if (!materials || materials->n < 2 || done[at]) continue;
         done[at] = true;
-        Diagnostic *report =
-            diag_report(diag, D_MESH_MATERIALS, object->span,
-                        "all of %s is of one material; what '%s' says of %s is not taken", object->name, materials->file,
-                        materials->names);
+        Diagnostic *report = diag_report(diag, D_MESH_MATERIALS, object->span,
+                                         "all of %s is of one material; what '%s' says of %s is not taken",
+                                         object->name, materials->file, materials->names);
         diag_hint(diag, report,
-                  "where they matter, make a mesh of each part = \"...\", with its own surface or interior; 'meniscus info %s' lists them",
+                  "where they matter, make a mesh of each part = \"...\", with its own surface or interior; 'meniscus "
+                  "info %s' lists them",
                   materials->file);
     }
     free(done);

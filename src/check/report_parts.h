@@ -41,7 +41,7 @@ typedef enum VerdictKind {
     VERDICT_MERGE,   /* one medium: there is no boundary */
     VERDICT_ENTERED, /* depends on the ray */
     VERDICT_NO_NESTING,
-    VERDICT_MIX      /* bottom adds to top, or is displaced by it: see report_adds */
+    VERDICT_MIX /* bottom adds to top, or is displaced by it: see report_adds */
 } VerdictKind;
 typedef struct ReportVerdict {
     VerdictKind kind;

@@ -138,7 +138,8 @@ static void hint_at_cut(Remarks *r, Diagnostic *report, uint32_t hull)
         if (verdict.kind != VERDICT_RULE || verdict.bottom != hull) continue;
         const SceneObject *object = report_object(compiled, hull), *body = report_object(compiled, verdict.top);
         diag_hint(r->diag, report,
-                  "%s is on top where both are; to cut %s out of it, put both into difference { ... }, %s first, or give %s a larger priority",
+                  "%s is on top where both are; to cut %s out of it, put both into difference { ... }, %s first, or "
+                  "give %s a larger priority",
                   body->name, object->name, body->name, object->name);
         return;
     }
@@ -244,7 +245,8 @@ static bool leads_out_of_part(const Remarks *r, Vec3 place, uint32_t number, con
 static bool leads_out_of_object(const Remarks *r, Vec3 place, uint32_t object, const HitList *hits)
 {
     uint32_t tree = r->scene->objects[object].tree;
-    return tree == SCENE_NONE ? leads_out(r, place, object, hits) : leads_out_of_part(r, place, r->scene->trees[tree].root, hits);
+    return tree == SCENE_NONE ? leads_out(r, place, object, hits)
+                              : leads_out_of_part(r, place, r->scene->trees[tree].root, hits);
 }
 
 /* Whether a place is within an object, which need not be closed: as lines in three directions have it. */
@@ -720,7 +722,8 @@ void report_remarks(const CompiledScene *compiled, Diag *diag)
 void report_covered_camera(const CompiledScene *compiled, uint32_t camera, Diag *diag)
 {
     Remarks r = {.compiled = compiled, .scene = compiled->scene, .diag = diag};
-    if (find_bounds(&r) && probe_init(&r.probe, compiled, NULL) == STATUS_OK) remark_covered_cameras(&r, camera, camera + 1);
+    if (find_bounds(&r) && probe_init(&r.probe, compiled, NULL) == STATUS_OK)
+        remark_covered_cameras(&r, camera, camera + 1);
     probe_clear(&r.probe);
     free(r.bounds);
 }

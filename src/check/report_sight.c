@@ -23,7 +23,8 @@ static bool alike(const Scene *scene, uint32_t a, uint32_t b)
     static const float samples_nm[] = {400, 450, 500, 550, 600, 650, 700};
     const SceneMedium *x = &scene->media[a], *y = &scene->media[b];
     if (a == b) return true;
-    if (x->absorbs != y->absorbs || x->emits || y->emits || x->density || y->density || x->mixes || y->mixes) return false;
+    if (x->absorbs != y->absorbs || x->emits || y->emits || x->density || y->density || x->mixes || y->mixes)
+        return false;
     for (size_t i = 0; i < COUNT_OF(samples_nm); i++) {
         if (spectrum_at_one(&x->ior, samples_nm[i]) != spectrum_at_one(&y->ior, samples_nm[i])) return false;
         if ((x->scatters || y->scatters) &&

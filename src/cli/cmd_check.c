@@ -20,7 +20,7 @@ typedef struct Check {
     const uint32_t *pixel; /* of --pixel; NULL: not asked for */
     SightLine sight;
     uint32_t camera, width, height; /* what --camera, --size and --scale say */
-    Buf out, report; /* report: of the first frame that could be built, as text or as JSON */
+    Buf out, report;                /* report: of the first frame that could be built, as text or as JSON */
     bool as_json, built;
     uint64_t hash; /* of that frame's scene */
     FrameList frames;
@@ -91,8 +91,8 @@ static Status look_through_pixel(Check *check, Error *error)
 {
     const uint32_t *at = check->pixel, width = check->width, height = check->height;
     if (at[0] >= width || at[1] >= height)
-        return fail(error, STATUS_USAGE, "option '--pixel': %u,%u is no pixel of the picture, 0,0 to %u,%u", at[0], at[1],
-                    (unsigned)width - 1, (unsigned)height - 1);
+        return fail(error, STATUS_USAGE, "option '--pixel': %u,%u is no pixel of the picture, 0,0 to %u,%u", at[0],
+                    at[1], (unsigned)width - 1, (unsigned)height - 1);
     FilmPoint point = {at[0] + 0.5, at[1] + 0.5, width, height};
     const float middle[2] = {0.5f, 0.5f};
     SceneCamera camera = check->input.scene->cameras[check->camera];
@@ -194,7 +194,8 @@ static Status print_findings(Check *check, bool quiet, Error *error)
 
 Status cmd_check(const Options *options, const Talk *talk, Error *error)
 {
-    Check check = {.as_json = option_given(options, OPTION_JSON), .pixel = option_given(options, OPTION_PIXEL) ? options->values[OPTION_PIXEL].whole : NULL};
+    Check check = {.as_json = option_given(options, OPTION_JSON),
+                   .pixel = option_given(options, OPTION_PIXEL) ? options->values[OPTION_PIXEL].whole : NULL};
     scene_input_init(&check.input, options, talk);
     Status status = check_slice_init(&check.slice, options, error);
     if (status == STATUS_OK) status = examine(&check, options, error);

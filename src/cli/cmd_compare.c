@@ -64,10 +64,11 @@ static Status read_both(const Options *options, const Talk *talk, Image *a, Imag
     }
     if (encoded[0] == encoded[1]) return STATUS_OK;
     const char *shown = options->operands[encoded[0] ? 0 : 1], *linear = options->operands[encoded[0] ? 1 : 0];
-    talk_remark(talk,
-                "%s is made for a display, and %s has light as it is: where a view lies between, that differs by itself; "
-                "to compare what a display shows: meniscus view %s -o FILE.png",
-                shown, linear, linear);
+    talk_remark(
+        talk,
+        "%s is made for a display, and %s has light as it is: where a view lies between, that differs by itself; "
+        "to compare what a display shows: meniscus view %s -o FILE.png",
+        shown, linear, linear);
     return STATUS_OK;
 }
 

@@ -58,7 +58,9 @@ Status cmd_dump(const Options *options, const Talk *talk, Error *error)
     input.printed = dump.result.printed;
     scene_input_print_said(&input);
     if (status == STATUS_OK && input.instant.animation.n_frames > 1 && has_shutter(&dump))
-        talk_warning(talk, "the shutter of a camera is open for a while, and this is the scene as it opens: nothing moves in it");
+        talk_warning(
+            talk,
+            "the shutter of a camera is open for a while, and this is the scene as it opens: nothing moves in it");
     if (status == STATUS_OK) status = print_out(&dump.out, error);
     buf_clear(&dump.out);
     scene_input_close(&input);

@@ -27,9 +27,15 @@ static void add_word(Words *words, const char *word, size_t length)
     words->lengths[words->n++] = length;
 }
 
-static void add_text(Words *words, const char *word) { add_word(words, word, strlen(word)); }
+static void add_text(Words *words, const char *word)
+{
+    add_word(words, word, strlen(word));
+}
 
-static bool is_constant(TokenKind kind) { return kind == TOKEN_TRUE || kind == TOKEN_FALSE || kind == TOKEN_NONE; }
+static bool is_constant(TokenKind kind)
+{
+    return kind == TOKEN_TRUE || kind == TOKEN_FALSE || kind == TOKEN_NONE;
+}
 
 /* Keywords; those that are values, when constants is true. */
 static void add_keywords(Words *words, bool constants)
@@ -121,9 +127,9 @@ static void print_vim(const Vocabulary *all, Buf *out)
                  "syntax match meniscusComment ;//.*$;\n"
                  "syntax region meniscusComment start=;/\\*; end=;\\*/; contains=meniscusComment\n");
     static const char *const links[][2] = {
-        {"Header", "PreProc"},      {"Keyword", "Statement"}, {"Constant", "Constant"}, {"Choice", "Constant"},
-        {"Function", "Function"},   {"Node", "Type"},         {"Property", "Identifier"}, {"Number", "Number"},
-        {"Color", "Number"},        {"Escape", "SpecialChar"}, {"String", "String"},     {"Comment", "Comment"},
+        {"Header", "PreProc"},    {"Keyword", "Statement"},  {"Constant", "Constant"},   {"Choice", "Constant"},
+        {"Function", "Function"}, {"Node", "Type"},          {"Property", "Identifier"}, {"Number", "Number"},
+        {"Color", "Number"},      {"Escape", "SpecialChar"}, {"String", "String"},       {"Comment", "Comment"},
     };
     for (size_t i = 0; i < COUNT_OF(links); i++)
         buf_format(out, "highlight default link meniscus%s %s\n", links[i][0], links[i][1]);
@@ -245,8 +251,8 @@ static void print_dictionary(const Vocabulary *all, Buf *out)
         buf_format(out, "\"%.*s\"\n", (int)strlen(quoted) - 2, quoted + 1);
     }
     buf_add(out, "\"meniscus 1.0 unit mm\"\n\"\\\"\"\n\"//\"\n\"/*\"\n\"*/\"\n\"#fff\"\n");
-    const Words *lists[] = {&all->keywords, &all->constants, &all->nodes, &all->properties, &all->choices, &all->functions,
-                            &all->units};
+    const Words *lists[] = {&all->keywords, &all->constants, &all->nodes, &all->properties,
+                            &all->choices,  &all->functions, &all->units};
     Words once = {.n = 0};
     for (size_t i = 0; i < COUNT_OF(lists); i++)
         for (size_t k = 0; k < lists[i]->n; k++) add_word(&once, lists[i]->items[k], lists[i]->lengths[k]);

@@ -55,7 +55,8 @@ static void print_options(Command command, Buf *out)
     for (OptionKey key = 0; key < OPTION_COUNT; key++) {
         const OptionRow *row = option_row(key);
         if (!command_has_option(command, key) || !row->help) continue;
-        if (strcmp(group, row->group) != 0) buf_format(out, "%s.Ss %s\n.Bl -tag -width Ds\n", *group ? ".El\n" : "", row->group);
+        if (strcmp(group, row->group) != 0)
+            buf_format(out, "%s.Ss %s\n.Bl -tag -width Ds\n", *group ? ".El\n" : "", row->group);
         group = row->group;
         print_option(row, out);
     }
@@ -74,7 +75,8 @@ static void print_command_examples(const char *examples, Buf *out)
             Buf text = {0};
             buf_add_bytes(&text, comment + 4, line - code - 4);
             if (text.text && text.length) {
-                text.text[0] = (char)(text.text[0] >= 'a' && text.text[0] <= 'z' ? text.text[0] - 'a' + 'A' : text.text[0]);
+                text.text[0] =
+                    (char)(text.text[0] >= 'a' && text.text[0] <= 'z' ? text.text[0] - 'a' + 'A' : text.text[0]);
                 buf_add(&text, ":");
                 mdoc_text(out, text.text);
             }
@@ -154,7 +156,8 @@ static void print_exit_statuses(Buf *out)
 static void print_node_flags(const NodeType *node, Buf *out)
 {
     if (node->flags & NODE_NAMED) buf_add(out, "It needs a name to be used by.\n");
-    if (node->flags & NODE_SINGLE) buf_add(out, "Settings, once in a file; a later one adds to and overrides an earlier one.\n");
+    if (node->flags & NODE_SINGLE)
+        buf_add(out, "Settings, once in a file; a later one adds to and overrides an earlier one.\n");
     if (node->flags & NODE_TRANSFORMS) buf_add(out, "It can be transformed.\n");
     if (node->flags & NODE_CHILDREN) buf_add(out, "It holds other nodes.\n");
 }
@@ -290,7 +293,8 @@ static Status print_section(const char *kind, Buf *out, Error *error)
 {
     static const char command[] = "command ", examples[] = "examples ";
     if (strncmp(kind, command, sizeof command - 1) == 0) return print_command(kind + sizeof command - 1, out, error);
-    if (strncmp(kind, examples, sizeof examples - 1) == 0) return print_examples_of(kind + sizeof examples - 1, out, error);
+    if (strncmp(kind, examples, sizeof examples - 1) == 0)
+        return print_examples_of(kind + sizeof examples - 1, out, error);
     if (strcmp(kind, "commands") == 0)
         print_command_list(out);
     else if (strcmp(kind, "exit statuses") == 0)

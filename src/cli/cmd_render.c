@@ -42,8 +42,10 @@ static Status prepare(RenderRun *run, Error *error)
     TRY(preview_open(option_text(options, OPTION_PREVIEW, NULL), file_name(run->input.path), &run->preview, error));
     TRY(render_plan_frames(run, error));
     if (option_given(options, OPTION_AOV) && !run->plan.has_exr && !option_given(options, OPTION_RENDER_PIXEL))
-        talk_warning(run->talk, "'--aov': channels are kept in EXR files, and no output is one; '-o FILE.exr' would be");
-    bool shows = run->plan.has_png || option_given(options, OPTION_RENDER_PIXEL) || preview_is_for_display(&run->preview);
+        talk_warning(run->talk,
+                     "'--aov': channels are kept in EXR files, and no output is one; '-o FILE.exr' would be");
+    bool shows =
+        run->plan.has_png || option_given(options, OPTION_RENDER_PIXEL) || preview_is_for_display(&run->preview);
     bool looks = option_given(options, OPTION_DISPLAY) || option_given(options, OPTION_VIEW);
     return shows || looks ? probe_view(run, error) : STATUS_OK;
 }
@@ -66,11 +68,14 @@ static void note_scene(const RenderRun *run)
     seconds_print(clock_now_s() - run->start_s, time);
     char shining[48] = "";
     uint32_t n_shining = render_count_shining(scene);
-    if (n_shining) snprintf(shining, sizeof shining, ", and %u object%s", n_shining, n_shining == 1 ? " that shines" : "s that shine");
-    talk_note(run->talk, "objects: %u (%u with an inside); media: %u; lights: %u%s; read and built in %s", scene->n_objects,
-              run->input.compiled->n_hulls, scene->n_media, scene->n_lights, shining, time);
-    talk_note(run->talk, "%u x %u; samples per pixel: %u; nesting: %s; threads: %u", run->settings.width, run->settings.height,
-              run->settings.samples, nest_policy_text(run->input.compiled->order.policy), pool_threads(run->pool));
+    if (n_shining)
+        snprintf(shining, sizeof shining, ", and %u object%s", n_shining,
+                 n_shining == 1 ? " that shines" : "s that shine");
+    talk_note(run->talk, "objects: %u (%u with an inside); media: %u; lights: %u%s; read and built in %s",
+              scene->n_objects, run->input.compiled->n_hulls, scene->n_media, scene->n_lights, shining, time);
+    talk_note(run->talk, "%u x %u; samples per pixel: %u; nesting: %s; threads: %u", run->settings.width,
+              run->settings.height, run->settings.samples, nest_policy_text(run->input.compiled->order.policy),
+              pool_threads(run->pool));
 }
 
 static void show_progress(void *context, const RenderProgress *state)
@@ -120,7 +125,8 @@ static Status render(RenderRun *run, Error *error)
     events.stopped = save_stopped;
     events.wish = signals_wish();
     events.save_interval_s = run->checkpoint.interval_s;
-    Status status = render_go_on(run->input.compiled, settings, run->pool, &events, &run->state, &run->image, &run->stats, error);
+    Status status =
+        render_go_on(run->input.compiled, settings, run->pool, &events, &run->state, &run->image, &run->stats, error);
     progress_end(&run->progress, status == STATUS_OK && !run->stats.stopped);
     if (status == STATUS_OK) run->noise = run->stats.noise;
     return status;
@@ -136,7 +142,9 @@ static Status begin_signals(const RenderRun *run, Error *error)
     if (run->stats_path) paths[n++] = run->stats_path;
     if (run->preview.file.path) paths[n++] = run->preview.file.path;
     if (run->checkpoint.path) paths[n++] = run->checkpoint.path;
-    SignalsKeep keep = !render_has_frames(run) ? SIGNALS_KEEP_PICTURE : run->checkpoint.path ? SIGNALS_KEEP_CHECKPOINT : SIGNALS_KEEP_NOTHING;
+    SignalsKeep keep = !render_has_frames(run) ? SIGNALS_KEEP_PICTURE
+                       : run->checkpoint.path  ? SIGNALS_KEEP_CHECKPOINT
+                                               : SIGNALS_KEEP_NOTHING;
     Status status = signals_begin(paths, n, run->talk->json, keep, error);
     free(paths);
     return status;
@@ -146,12 +154,14 @@ static Status begin_signals(const RenderRun *run, Error *error)
 static Status refuse_empty(RenderRun *run, Error *error)
 {
     bool kept = run->checkpoint.path && render_state_is_worth_keeping(&run->state);
-    const char *photons = kept ? "; the photons so far are kept for '--resume' in " : "", *path = kept ? run->checkpoint.path : "";
+    const char *photons = kept ? "; the photons so far are kept for '--resume' in " : "",
+               *path = kept ? run->checkpoint.path : "";
     run->stopped_early = false;
     if (!*signals_flag())
-        return fail(error, STATUS_STOPPED, "the time was over before the first sample: nothing was written%s%s%s", photons, path,
-                    kept ? "" : "; try a longer '-t'");
-    if (!run->talk->quiet) talk_event(run->talk, "empty", "stopped before the first sample: nothing was written%s%s", photons, path);
+        return fail(error, STATUS_STOPPED, "the time was over before the first sample: nothing was written%s%s%s",
+                    photons, path, kept ? "" : "; try a longer '-t'");
+    if (!run->talk->quiet)
+        talk_event(run->talk, "empty", "stopped before the first sample: nothing was written%s%s", photons, path);
     return STATUS_OK;
 }
 

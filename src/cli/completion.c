@@ -164,7 +164,9 @@ static void add_zsh_option(const OptionRow *row, Buf *out)
     }
     if (row->name) {
         buf_format(out, "      '*--%s%s[", row->name,
-                   row->kind == KIND_FLAG ? "" : row->kind == KIND_OPTIONAL_FILE ? "=-" : "=");
+                   row->kind == KIND_FLAG            ? ""
+                   : row->kind == KIND_OPTIONAL_FILE ? "=-"
+                                                     : "=");
         add_zsh_text(row->help, out);
         buf_add(out, "]");
         add_zsh_value(row, out);
@@ -287,9 +289,10 @@ Status cmd_completion(const Options *options, const Talk *talk, Error *error)
     (void)talk;
     const char *shell = options->operands[0];
     Buf out = {0};
-    Status status = completion_print(shell, &out)
-                        ? print_out(&out, error)
-                        : fail(error, STATUS_USAGE, "there is no completion for '%s', only for bash, zsh and fish", shell);
+    Status status =
+        completion_print(shell, &out)
+            ? print_out(&out, error)
+            : fail(error, STATUS_USAGE, "there is no completion for '%s', only for bash, zsh and fish", shell);
     buf_clear(&out);
     return status;
 }

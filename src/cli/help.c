@@ -208,12 +208,13 @@ void help_print_overview(Buf *out)
 static const char *kind_name(OptionKind kind)
 {
     static const char *const names[] = {
-        [KIND_FLAG] = "flag",         [KIND_TEXT] = "text",       [KIND_FILE] = "file",
-        [KIND_FOLDER] = "folder",     [KIND_LIST] = "list",       [KIND_OPTIONAL_FILE] = "optional file",
-        [KIND_FOLDERS] = "folders",   [KIND_DEFINES] = "defines", [KIND_CHOICE] = "choice",   [KIND_COUNT] = "whole number",
-        [KIND_NUMBER] = "number",     [KIND_FRACTION] = "fraction", [KIND_DURATION] = "duration",
-        [KIND_SIZE] = "size",         [KIND_CROP] = "crop",         [KIND_PIXEL] = "pixel",
-        [KIND_FRAMES] = "frames",     [KIND_SHARD] = "shard",     [KIND_RANGE] = "range",
+        [KIND_FLAG] = "flag",          [KIND_TEXT] = "text",       [KIND_FILE] = "file",
+        [KIND_FOLDER] = "folder",      [KIND_LIST] = "list",       [KIND_OPTIONAL_FILE] = "optional file",
+        [KIND_FOLDERS] = "folders",    [KIND_DEFINES] = "defines", [KIND_CHOICE] = "choice",
+        [KIND_COUNT] = "whole number", [KIND_NUMBER] = "number",   [KIND_FRACTION] = "fraction",
+        [KIND_DURATION] = "duration",  [KIND_SIZE] = "size",       [KIND_CROP] = "crop",
+        [KIND_PIXEL] = "pixel",        [KIND_FRAMES] = "frames",   [KIND_SHARD] = "shard",
+        [KIND_RANGE] = "range",
     };
     return names[kind];
 }

@@ -33,8 +33,8 @@ static Status read_count(const OptionRow *row, const char *spelled, const char *
 {
     size_t n = read_whole(text, &value->whole[0]);
     if (n == 0 || text[n] || !in_range(row, value->whole[0]))
-        return fail(error, STATUS_USAGE, "option '%s': '%s' is not a whole number from %.0f to %.0f", spelled, text, row->low,
-                    row->high);
+        return fail(error, STATUS_USAGE, "option '%s': '%s' is not a whole number from %.0f to %.0f", spelled, text,
+                    row->low, row->high);
     return STATUS_OK;
 }
 
@@ -94,7 +94,8 @@ static Status read_size(const OptionRow *row, const char *spelled, const char *t
     size_t n = read_whole(text, &value->whole[0]);
     size_t m = n && (text[n] == 'x' || text[n] == 'X') ? read_whole(text + n + 1, &value->whole[1]) : 0;
     if (m == 0 || text[n + 1 + m])
-        return fail(error, STATUS_USAGE, "option '%s': '%s' is not a width and a height, such as 640x480", spelled, text);
+        return fail(error, STATUS_USAGE, "option '%s': '%s' is not a width and a height, such as 640x480", spelled,
+                    text);
     for (int i = 0; i < 2; i++)
         if (!in_range(row, value->whole[i]))
             return fail(error, STATUS_USAGE, "option '%s': the %s of %s is outside of %.0f to %.0f", spelled,
@@ -108,8 +109,8 @@ static Status read_crop(const char *spelled, const char *text, OptionValue *valu
     for (int i = 0; i < 4; i++) {
         size_t n = read_whole(p, &value->whole[i]);
         if (n == 0 || p[n] != (i < 3 ? ',' : 0))
-            return fail(error, STATUS_USAGE, "option '%s': '%s' is not four whole numbers, such as 10,20,110,120", spelled,
-                        text);
+            return fail(error, STATUS_USAGE, "option '%s': '%s' is not four whole numbers, such as 10,20,110,120",
+                        spelled, text);
         p += n + 1;
     }
     if (value->whole[0] >= value->whole[2] || value->whole[1] >= value->whole[3])
@@ -148,10 +149,12 @@ static Status read_frames(const char *spelled, const char *text, OptionValue *va
         if (rest && *rest) rest = read_behind(rest, "/", step);
     }
     if (!rest || *rest || *step == 0)
-        return fail(error, STATUS_USAGE, "option '%s': '%s' is not all, a frame or a range of frames, such as 12, 1..120 or 1..120/2",
+        return fail(error, STATUS_USAGE,
+                    "option '%s': '%s' is not all, a frame or a range of frames, such as 12, 1..120 or 1..120/2",
                     spelled, text);
     if (*last >= *first) return STATUS_OK;
-    return fail(error, STATUS_USAGE, "option '%s': %s holds no frame: the last one comes before the first", spelled, text);
+    return fail(error, STATUS_USAGE, "option '%s': %s holds no frame: the last one comes before the first", spelled,
+                text);
 }
 
 static Status read_shard(const char *spelled, const char *text, OptionValue *value, Error *error)
@@ -171,7 +174,8 @@ static Status read_range(const OptionRow *row, const char *spelled, const char *
     if (!rest || *rest)
         return fail(error, STATUS_USAGE, "option '%s': '%s' is not two whole numbers, such as 1..64", spelled, text);
     if (value->whole[0] > value->whole[1])
-        return fail(error, STATUS_USAGE, "option '%s': %s holds nothing: the last one comes before the first", spelled, text);
+        return fail(error, STATUS_USAGE, "option '%s': %s holds nothing: the last one comes before the first", spelled,
+                    text);
     if (in_range(row, value->whole[0]) && in_range(row, value->whole[1])) return STATUS_OK;
     return fail(error, STATUS_USAGE, "option '%s': %s is outside of %.0f..%.0f", spelled, text, row->low, row->high);
 }

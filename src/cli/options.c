@@ -275,8 +275,8 @@ static Status refuse_surplus(Parser *parser, const char *word)
     const char *ending = file_extension(word);
     bool picture = strcasecmp(ending, "png") == 0 || strcasecmp(ending, "exr") == 0;
     if (picture && find_name(command, "output", strlen("output")) != OPTION_COUNT)
-        return fail(parser->error, STATUS_USAGE, "'%s' is one word too many: what is written stands behind -o, as -o %s",
-                    word, word);
+        return fail(parser->error, STATUS_USAGE,
+                    "'%s' is one word too many: what is written stands behind -o, as -o %s", word, word);
     for (size_t i = 0; i < parser->options->n_operands; i++)
         TRY(refuse_second_value(parser, parser->options->operands[i]));
     return fail(parser->error, STATUS_USAGE, "'%s' is one word too many: '%s' takes %s", word, row->name,

@@ -35,16 +35,16 @@ typedef enum OptionKind {
     KIND_FOLDERS,       /* the same, of folders */
     KIND_DEFINES,       /* the same, of NAME=VALUE; of one name the last one counts */
     KIND_CHOICE,
-    KIND_COUNT,         /* a whole number */
+    KIND_COUNT, /* a whole number */
     KIND_NUMBER,
-    KIND_FRACTION,      /* 0.5 or 50% */
-    KIND_DURATION,      /* in seconds */
-    KIND_SIZE,          /* WxH */
-    KIND_CROP,          /* X0,Y0,X1,Y1 */
-    KIND_PIXEL,         /* X,Y */
-    KIND_FRAMES,        /* N, A..B, A..B/STEP: whole holds first, last, step; or all: step is 0 */
-    KIND_SHARD,         /* I/N */
-    KIND_RANGE          /* A..B */
+    KIND_FRACTION, /* 0.5 or 50% */
+    KIND_DURATION, /* in seconds */
+    KIND_SIZE,     /* WxH */
+    KIND_CROP,     /* X0,Y0,X1,Y1 */
+    KIND_PIXEL,    /* X,Y */
+    KIND_FRAMES,   /* N, A..B, A..B/STEP: whole holds first, last, step; or all: step is 0 */
+    KIND_SHARD,    /* I/N */
+    KIND_RANGE     /* A..B */
 } OptionKind;
 
 /* What the shell offers for operands. */
@@ -102,7 +102,8 @@ const char *command_nearest(const char *wrong);
 
 /* Reads the words behind the command's name. STATUS_USAGE names the word that is wrong. Reading stops at -h and
  * --help. The words must live as long as the options. options_clear is due in every case. */
-ATTR_NODISCARD Status options_parse(Options *options, Command command, char *const *words, size_t n_words, Error *error);
+ATTR_NODISCARD Status options_parse(Options *options, Command command, char *const *words, size_t n_words,
+                                    Error *error);
 void options_clear(Options *options);
 
 bool option_given(const Options *options, OptionKey key);

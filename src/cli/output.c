@@ -59,8 +59,9 @@ Status output_check_name(const char *path, Error *error)
     size_t length;
     const char *mark = file_number_mark(path, &length);
     if (mark)
-        return fail(error, STATUS_USAGE, "'%.*s' is no place for the number of a frame in the output '%s'; write: %.*s####%s",
-                    (int)length, mark, path, (int)(mark - path), path, mark + length);
+        return fail(error, STATUS_USAGE,
+                    "'%.*s' is no place for the number of a frame in the output '%s'; write: %.*s####%s", (int)length,
+                    mark, path, (int)(mark - path), path, mark + length);
     if (strcasecmp(name, ".png") != 0 && strcasecmp(name, ".exr") != 0) return STATUS_OK;
     return fail(error, STATUS_USAGE, "output '%s' has no name in front of its ending, as %.*spicture%s does", path,
                 (int)(name - path), path, name);

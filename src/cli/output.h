@@ -23,9 +23,9 @@ typedef struct OutputPlan {
     bool has_png, has_exr, numbered;
 } OutputPlan;
 
-/* From -o, else the scene's film, else the scene's name; none for a single pixel without -o. numbered: a name without '#' gets a row of it, unless it is a
- * device; the number of the last frame says how long. STATUS_USAGE for an unknown extension, or a picture to a
- * terminal. outputs_plan_clear is due in every case. */
+/* From -o, else the scene's film, else the scene's name; none for a single pixel without -o. numbered: a name without '#' gets a
+ * row of it, unless it is a device; the number of the last frame says how long. STATUS_USAGE for an unknown extension, or a
+ * picture to a terminal. outputs_plan_clear is due in every case. */
 ATTR_NODISCARD Status outputs_plan(OutputPlan *plan, const Options *options, const Scene *scene, bool numbered,
                                    Error *error);
 void outputs_plan_clear(OutputPlan *plan);

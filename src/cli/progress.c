@@ -16,7 +16,8 @@ static const double plain_interval_s = 60;
 
 void progress_init(Progress *progress, const Options *options, const Talk *talk, const volatile sig_atomic_t *stop)
 {
-    *progress = (Progress){.form = terminal_is_capable() ? PROGRESS_BAR : PROGRESS_PLAIN, .color = talk->color, .stop = stop};
+    *progress =
+        (Progress){.form = terminal_is_capable() ? PROGRESS_BAR : PROGRESS_PLAIN, .color = talk->color, .stop = stop};
     if (talk->json) progress->form = PROGRESS_JSON;
     if (talk->quiet || option_is(options, OPTION_PROGRESS, "none")) progress->form = PROGRESS_NONE;
     if (option_is(options, OPTION_PROGRESS, "plain")) progress->form = PROGRESS_PLAIN;
@@ -85,7 +86,8 @@ static void show_bar(Progress *progress, const RenderProgress *state)
     add_time_left(facts, state);
     char front[64] = "";
     if (progress->n_frames)
-        snprintf(front, sizeof front, "frame %u (%u of %u)  ", progress->frame, progress->frames_done + 1, progress->n_frames);
+        snprintf(front, sizeof front, "frame %u (%u of %u)  ", progress->frame, progress->frames_done + 1,
+                 progress->n_frames);
     int columns = (int)terminal_columns() - 1 - (int)strlen(front), width = columns - (int)strlen(facts) - 2;
     if (width > WIDEST_BAR) width = WIDEST_BAR;
     Buf line = {0};

@@ -11,10 +11,10 @@ typedef enum ProgressForm { PROGRESS_NONE, PROGRESS_BAR, PROGRESS_PLAIN, PROGRES
 typedef struct Progress {
     ProgressForm form;
     bool color, bar_is_shown;
-    int tenths_printed;   /* of the work, for plain lines */
-    double last_line_s;   /* when the last plain line was printed */
+    int tenths_printed;                    /* of the work, for plain lines */
+    double last_line_s;                    /* when the last plain line was printed */
     uint32_t frame, frames_done, n_frames; /* of an animation; n_frames 0: a single picture */
-    const volatile sig_atomic_t *stop; /* nothing is drawn over what the signal handler says */
+    const volatile sig_atomic_t *stop;     /* nothing is drawn over what the signal handler says */
 } Progress;
 
 void progress_init(Progress *progress, const Options *options, const Talk *talk, const volatile sig_atomic_t *stop);

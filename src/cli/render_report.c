@@ -47,7 +47,8 @@ static Brightness find_brightness(const RenderRun *run)
         const float *pixel = &image->pixels[i * image->n_channels];
         const float rgb[3] = {pixel[red], pixel[green], pixel[blue]};
         float luminance = color_luminance(rgb);
-        if (isfinite(luminance) && !(alpha >= 0 && pixel[alpha] == 0)) note_luminance(&brightness, factor * (double)luminance);
+        if (isfinite(luminance) && !(alpha >= 0 && pixel[alpha] == 0))
+            note_luminance(&brightness, factor * (double)luminance);
     }
     return brightness;
 }
@@ -84,10 +85,11 @@ static void remark_exposure(const RenderRun *run, const char *what, int stops)
     const char *exr = file_of(run, false), *png = file_of(run, true), *more = stops > 0 ? "more" : "less";
     double factor = exp2(abs(stops)), exposure = render_look(run).stops + stops;
     if (exr)
-        talk_remark(run->talk, "%s: give it %.3g times %s light, or: meniscus view %s -o %s --exposure %g", what, factor,
-                    more, exr, png ? png : "FILE.png", exposure);
+        talk_remark(run->talk, "%s: give it %.3g times %s light, or: meniscus view %s -o %s --exposure %g", what,
+                    factor, more, exr, png ? png : "FILE.png", exposure);
     else
-        talk_remark(run->talk, "%s: give it %.3g times %s light, or film { exposure = %g }", what, factor, more, exposure);
+        talk_remark(run->talk, "%s: give it %.3g times %s light, or film { exposure = %g }", what, factor, more,
+                    exposure);
 }
 
 /* From end to end, in metres, without what has no end: what there is, and the camera that looks at it. */
@@ -111,7 +113,8 @@ static void remark_unit(const RenderRun *run)
     double size_m = size_of_scene_m(run);
     if (size_m >= large_m)
         talk_remark(run->talk,
-                    "the picture is nearly black, and the first line of its scene has no unit: lengths are metres then, and it is %.3g m "
+                    "the picture is nearly black, and the first line of its scene has no unit: lengths are metres "
+                    "then, and it is %.3g m "
                     "across, which a lamp hardly lights; if millimetres are meant, write: meniscus 1.0 unit mm",
                     size_m);
 }
@@ -172,10 +175,11 @@ static void warn_of_black(const RenderRun *run)
     const RenderSettings *settings = &run->settings;
     Buf view = {0};
     viewpoint_add_options(&run->input, settings->width, settings->height, &view);
-    talk_warning(run->talk,
-                 "all of the picture is black: the camera is inside of an opaque object, or no light comes to what it looks at, "
-                 "or is found by so few samples; 'meniscus check %s%s --pixel %u,%u' says what is in front of it",
-                 run->input.path, buf_text(&view), (unsigned)settings->width / 2, (unsigned)settings->height / 2);
+    talk_warning(
+        run->talk,
+        "all of the picture is black: the camera is inside of an opaque object, or no light comes to what it looks at, "
+        "or is found by so few samples; 'meniscus check %s%s --pixel %u,%u' says what is in front of it",
+        run->input.path, buf_text(&view), (unsigned)settings->width / 2, (unsigned)settings->height / 2);
     buf_clear(&view);
 }
 
@@ -196,7 +200,9 @@ static void remark_noise(const RenderRun *run)
     if (stats->stopped || !(run->settings.noise > 0) || !(stats->noise > run->settings.noise)) return;
     Buf noise = {0};
     add_digits(&noise, 100 * stats->noise, 2);
-    talk_remark(run->talk, "a noise of %.3g %% was aimed at, and %s %% was reached, as no pixel gets more than %u sample%s: '--spp' allows more",
+    talk_remark(run->talk,
+                "a noise of %.3g %% was aimed at, and %s %% was reached, as no pixel gets more than %u sample%s: "
+                "'--spp' allows more",
                 100 * run->settings.noise, buf_text(&noise), samples, plural(samples));
     buf_clear(&noise);
 }
@@ -208,14 +214,16 @@ void render_warn(const RenderRun *run)
     unsigned long long faults = stats->nesting_faults, limit = stats->silent_limit, bad = stats->bad_samples,
                        saturated = stats->saturated_samples;
     if (stats->searching)
-        talk_warning(talk, "the time was over while photons for caustics were on their way: the picture is one without these, "
-                           "and its samples are not kept");
+        talk_warning(
+            talk, "the time was over while photons for caustics were on their way: the picture is one without these, "
+                  "and its samples are not kept");
     if (faults)
-        talk_warning(talk,
-                     "%llu nesting fault%s, %.3g per million crossings: a surface was left that was never entered, or entered "
-                     "twice; 'meniscus check' names meshes that cross themselves and what is too small for its place, which do "
-                     "that; a camera or a light within rounding of a surface does, too",
-                     faults, plural(faults), per_million(faults, stats->crossings));
+        talk_warning(
+            talk,
+            "%llu nesting fault%s, %.3g per million crossings: a surface was left that was never entered, or entered "
+            "twice; 'meniscus check' names meshes that cross themselves and what is too small for its place, which do "
+            "that; a camera or a light within rounding of a surface does, too",
+            faults, plural(faults), per_million(faults, stats->crossings));
     if (limit)
         talk_warning(talk, "%llu path%s gave up after too many surfaces between equal media", limit, plural(limit));
     if (bad) talk_warning(talk, "%llu sample%s without a finite value left out", bad, plural(bad));
@@ -223,7 +231,8 @@ void render_warn(const RenderRun *run)
     remark_brightness(run);
     warn_of_black(run);
     if (saturated)
-        talk_warning(talk, "%llu sample%s brighter than the film can hold, and held at its limit", saturated, plural(saturated));
+        talk_warning(talk, "%llu sample%s brighter than the film can hold, and held at its limit", saturated,
+                     plural(saturated));
 }
 
 static void list_outputs(const OutputList *outputs, Buf *text)
@@ -301,7 +310,8 @@ void render_summarize(const RenderRun *run)
         summarize_noise(run, &line);
     else
         buf_format(&line, "%u%s sample%s", stats->samples, total, plural(stats->stopped ? wanted : stats->samples));
-    if (run->slices) buf_format(&line, ", %u to %u of %u", settings->first_sample + 1, settings->end_sample, settings->samples);
+    if (run->slices)
+        buf_format(&line, ", %u to %u of %u", settings->first_sample + 1, settings->end_sample, settings->samples);
     if (stats->spread_samples) {
         buf_add(&line, ", ");
         add_digits(&line, 100 * stats->spread_light, 2);
@@ -358,7 +368,8 @@ void render_summarize_frames(const RenderRun *run)
 uint32_t render_count_shining(const Scene *scene)
 {
     uint32_t n = 0;
-    for (uint32_t i = 0; i < scene->n_objects; i++) n += scene->objects[i].part_of == SCENE_NONE && scene_shines(scene, i);
+    for (uint32_t i = 0; i < scene->n_objects; i++)
+        n += scene->objects[i].part_of == SCENE_NONE && scene_shines(scene, i);
     return n;
 }
 
@@ -432,14 +443,17 @@ static void print_stats_text(const RenderRun *run, Buf *out)
                    (unsigned long long)stats->guide.landed, (unsigned long long)stats->guide.followed,
                    (double)stats->guide.bytes / (1024.0 * 1024), stats->guide.cpu_seconds);
     if (stats->spread_samples)
-        buf_format(out, "fireflies          %llu sample%s that stood alone, with %.2g %% of the light, spread over their surroundings\n",
+        buf_format(out,
+                   "fireflies          %llu sample%s that stood alone, with %.2g %% of the light, spread over their "
+                   "surroundings\n",
                    (unsigned long long)stats->spread_samples, plural(stats->spread_samples), 100 * stats->spread_light);
     if (run->noise >= 0) {
         buf_add(out, "noise              ");
         add_digits(out, 100 * run->noise, 3);
         buf_add(out, " %\n");
     }
-    buf_format(out, "geometry           %.1f MiB\n", (double)rtc_scene_bytes(run->input.compiled->rtc) / (1024.0 * 1024));
+    buf_format(out, "geometry           %.1f MiB\n",
+               (double)rtc_scene_bytes(run->input.compiled->rtc) / (1024.0 * 1024));
     buf_format(out, "time               %.2f s to render, %.2f s of processors, %u thread%s\n", stats->seconds,
                stats->cpu_seconds, pool_threads(run->pool), plural(pool_threads(run->pool)));
 }

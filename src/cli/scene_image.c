@@ -13,7 +13,8 @@ static Status copy_colors(const char *path, const Image *image, float **rgb, Err
     *rgb = malloc(size);
     if (!*rgb) return fail_memory(error, size, path);
     for (size_t i = 0; i < n; i++)
-        for (int c = 0; c < 3; c++) (*rgb)[3 * i + (size_t)c] = image->pixels[i * image->n_channels + (size_t)channels[c]];
+        for (int c = 0; c < 3; c++)
+            (*rgb)[3 * i + (size_t)c] = image->pixels[i * image->n_channels + (size_t)channels[c]];
     return STATUS_OK;
 }
 

@@ -97,7 +97,8 @@ typedef struct Stage {
 static Status run_stage(Stage *stage, void (*task)(void *context))
 {
     TRY(scene_input_guard(stage->input, task, stage, stage->error));
-    if (stage->status == STATUS_SCENE && stage->input->diag.n_errors) stage->error->text[0] = 0; /* the reports say it */
+    if (stage->status == STATUS_SCENE && stage->input->diag.n_errors)
+        stage->error->text[0] = 0; /* the reports say it */
     return stage->status;
 }
 
@@ -182,7 +183,8 @@ static void compile(void *context)
 {
     Stage *stage = context;
     SceneInput *input = stage->input;
-    stage->status = compile_scene(input->scene, stage->policy, stage->pool, &input->diag, &input->compiled, stage->error);
+    stage->status =
+        compile_scene(input->scene, stage->policy, stage->pool, &input->diag, &input->compiled, stage->error);
 }
 
 Status scene_input_compile(SceneInput *input, Pool *pool, Error *error)
@@ -218,8 +220,7 @@ static void print_counts(const SceneInput *input, Buf *out)
         any = any || counts[i];
         more = more || counts[i] > diag->limit;
     }
-    if (more)
-        buf_format(out, " (%u of a kind are shown)", diag->limit);
+    if (more) buf_format(out, " (%u of a kind are shown)", diag->limit);
     buf_add(out, "\n");
 }
 

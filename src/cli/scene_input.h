@@ -34,7 +34,7 @@ typedef struct SceneInput {
     bool diag_printed;
     Arena known_arena;
     bool several_frames; /* diag holds reports of several frames */
-    Diag known; /* reports of earlier frames, printed already */
+    Diag known;          /* reports of earlier frames, printed already */
     ColorSource color;
     Scene *scene;
     CompiledScene *compiled;

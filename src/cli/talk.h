@@ -19,7 +19,7 @@ void talk_error(const Talk *talk, const Error *error);
 void talk_hint(const Talk *talk, const char *format, ...) ATTR_PRINTF(2, 3);
 void talk_warning(const Talk *talk, const char *format, ...) ATTR_PRINTF(2, 3);
 void talk_remark(const Talk *talk, const char *format, ...) ATTR_PRINTF(2, 3); /* not with -q */
-void talk_note(const Talk *talk, const char *format, ...) ATTR_PRINTF(2, 3); /* only with -v */
+void talk_note(const Talk *talk, const char *format, ...) ATTR_PRINTF(2, 3);   /* only with -v */
 /* A plain line, or an event with a message. */
 void talk_event(const Talk *talk, const char *event, const char *format, ...) ATTR_PRINTF(3, 4);
 /* Writes a text that is complete to standard error at once; memory that ran out in between is said, too. */

@@ -8,7 +8,7 @@
 #include "trace/path.h"
 
 enum { LARGEST_SIDE = 65536, LOOKS_ALONG_A_SIDE = 24 };
-_Static_assert(LOOKS_ALONG_A_SIDE * LOOKS_ALONG_A_SIDE == VIEWPOINT_PLACES, "a square of places");
+_Static_assert(LOOKS_ALONG_A_SIDE *LOOKS_ALONG_A_SIDE == VIEWPOINT_PLACES, "a square of places");
 
 Status viewpoint_size(const SceneInput *input, uint32_t *width, uint32_t *height, Error *error)
 {

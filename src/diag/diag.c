@@ -321,7 +321,8 @@ static Diagnostic *find_mistake(const Diag *diag, const Diagnostic *wanted)
 {
     Diagnostic *found = find_repetition(diag, wanted);
     for (Diagnostic *d = diag->first; d && !found && wanted->has_span; d = d->next)
-        if (d->code == wanted->code && d->has_span && d->span.source == wanted->span.source && d->span.begin == wanted->span.begin)
+        if (d->code == wanted->code && d->has_span && d->span.source == wanted->span.source &&
+            d->span.begin == wanted->span.begin)
             found = d;
     return found;
 }

@@ -20,7 +20,7 @@ typedef struct Source {
     const char *path; /* where it was read, NULL for text that is no file */
     const char *text; /* a 0 byte stands behind it */
     uint32_t length;
-    bool library; /* built into the program: nobody mends a scene there */
+    bool library;          /* built into the program: nobody mends a scene there */
     uint32_t *line_starts; /* made on first use by source_position */
     uint32_t n_lines;
 } Source;

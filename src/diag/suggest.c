@@ -89,7 +89,8 @@ const char *suggest_nearest(const char *wrong, const char *const *candidates, si
             nearest = candidates[i];
             unique = 1;
         } else if (d == best && nearest && same_but_for_number(nearest, candidates[i])) {
-            if (n_candidate == length) nearest = candidates[i]; /* two letters that changed places, and not one too many */
+            if (n_candidate == length)
+                nearest = candidates[i]; /* two letters that changed places, and not one too many */
         } else if (d == best && nearest && strcmp(nearest, candidates[i]) != 0) {
             unique = 0;
         }

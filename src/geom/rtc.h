@@ -34,8 +34,8 @@ typedef struct RtcObject {
     const Affine *
         keys; /* NULL, or where it is at evenly spread times from 0 to 1: as many as rtc_scene_new is told; not owned */
     const Mesh *mesh_end; /* NULL, or the same triangles with the positions and normals at time 1; linear in between */
-    bool hidden;        /* a ray with sight passes by it as if it were not there; of solids */
-    bool opaque;        /* nothing is seen through it: a search for all surfaces along a ray may stop at it */
+    bool hidden;          /* a ray with sight passes by it as if it were not there; of solids */
+    bool opaque;          /* nothing is seen through it: a search for all surfaces along a ray may stop at it */
 } RtcObject;
 
 /* The objects keep their numbers. n_keys: of the objects that move, 2 .. RTC_MOST_KEYS, or 0 when none does. STATUS_SCENE
@@ -45,8 +45,8 @@ ATTR_NODISCARD Status rtc_scene_new(const RtcObject *objects, uint32_t n_objects
                                     RtcScene **scene, Error *error);
 /* The same where a list of all objects would cost too much: describe tells object number i, whenever it is asked. */
 typedef RtcObject RtcDescribe(const void *context, uint32_t i);
-ATTR_NODISCARD Status rtc_scene_new_from(RtcDescribe *describe, const void *context, uint32_t n_objects, uint32_t n_keys,
-                                         unsigned n_threads, RtcScene **scene, Error *error);
+ATTR_NODISCARD Status rtc_scene_new_from(RtcDescribe *describe, const void *context, uint32_t n_objects,
+                                         uint32_t n_keys, unsigned n_threads, RtcScene **scene, Error *error);
 void rtc_scene_free(RtcScene *scene);
 /* The classes of straight rays that an object which is not opaque stops as well, whatever is on their way; see Ray.stops.
  * None unless set; not while rays are traced. */
@@ -70,22 +70,23 @@ typedef struct Hit Hit;
 /* A ray. One that starts at a surface is made by rtc_leave. */
 typedef struct Ray {
     Vec3 origin;
-    Vec3f direction;         /* unit to float precision */
-    double time;             /* 0..1, of what moves */
-    double t_min, t_max;     /* surfaces at t_min < t <= t_max; t_min >= 0 */
-    uint32_t target;         /* rtc_all: this object does not count, as it is what the ray is aimed at; RTC_NO_OBJECT */
+    Vec3f direction;     /* unit to float precision */
+    double time;         /* 0..1, of what moves */
+    double t_min, t_max; /* surfaces at t_min < t <= t_max; t_min >= 0 */
+    uint32_t target;     /* rtc_all: this object does not count, as it is what the ray is aimed at; RTC_NO_OBJECT */
     uint32_t target_primitive; /* of it only this primitive does not; RTC_NO_OBJECT: none of them */
-    uint32_t pass_level;     /* rtc_nearest: objects of a lower level than this do not end the search, */
-    uint32_t pass_alike;     /* nor do those of a higher one that are alike in this; RTC_NO_PASS: none are */
-    uint32_t stops;          /* rtc_all with stop_at_opaque: ends at objects of these classes, too, but at ones it starts on */
-    const Hit *left;         /* the surfaces that the ray starts on, crossed already or turned away from; not owned */
+    uint32_t pass_level;       /* rtc_nearest: objects of a lower level than this do not end the search, */
+    uint32_t pass_alike;       /* nor do those of a higher one that are alike in this; RTC_NO_PASS: none are */
+    uint32_t stops;  /* rtc_all with stop_at_opaque: ends at objects of these classes, too, but at ones it starts on */
+    const Hit *left; /* the surfaces that the ray starts on, crossed already or turned away from; not owned */
     size_t n_left;
-    double start_scale;      /* the coordinates and lengths that the origin was computed from: its rounding is 2^-52 of them */
-    Vec3 nudge;              /* a step of the origin's rounding from there to the side that the ray is on */
-    float grain;             /* the largest coordinate of the triangles near the origin; 0: not known */
-    float least_slope;       /* the least cosine to a surface that it starts on; INFINITY: to none */
-    bool sight;              /* rtc_nearest: it comes straight from a camera, to which some objects are hidden */
-    bool at_edge;            /* the place at t_min, or an earlier one of its line, is within rounding of a triangle's edge, or
+    /* the coordinates and lengths that the origin was computed from: its rounding is 2^-52 of them */
+    double start_scale;
+    Vec3 nudge;        /* a step of the origin's rounding from there to the side that the ray is on */
+    float grain;       /* the largest coordinate of the triangles near the origin; 0: not known */
+    float least_slope; /* the least cosine to a surface that it starts on; INFINITY: to none */
+    bool sight;        /* rtc_nearest: it comes straight from a camera, to which some objects are hidden */
+    bool at_edge;      /* the place at t_min, or an earlier one of its line, is within rounding of a triangle's edge, or
                               * of a surface that the ray before started on: Embree may miss what is there */
 } Ray;
 
@@ -114,23 +115,27 @@ static inline Ray ray_make(Vec3 origin, Vec3f direction)
     ray_begin(&ray, origin, direction);
     return ray;
 }
-static inline Vec3 ray_point(const Ray *ray, double t) { return vec3_along(ray->origin, t, vec3_from_f(ray->direction)); }
+static inline Vec3 ray_point(const Ray *ray, double t)
+{
+    return vec3_along(ray->origin, t, vec3_from_f(ray->direction));
+}
 
 /* One surface met by a ray. */
 struct Hit {
     double t;
     uint32_t object;
-    uint32_t primitive;    /* triangle (see rtc_n_primitives), or piece of the solid */
-    bool entering;         /* the ray goes against the geometric normal, into the object */
-    Vec3f normal;          /* geometric, unit, outward (not turned towards the ray) */
-    double cos_normal;     /* direction . normal, in double */
-    double rounding;       /* what the coordinates hereabouts can be off by; see rtc_rounding */
-    float u, v;            /* barycentric of the triangle; unused for pieces */
-    bool inside, behind;   /* set by rtc_leave: whether the new ray starts inside of this hit's object, and whether it goes away
+    uint32_t primitive; /* triangle (see rtc_n_primitives), or piece of the solid */
+    bool entering;      /* the ray goes against the geometric normal, into the object */
+    Vec3f normal;       /* geometric, unit, outward (not turned towards the ray) */
+    double cos_normal;  /* direction . normal, in double */
+    double rounding;    /* what the coordinates hereabouts can be off by; see rtc_rounding */
+    float u, v;         /* barycentric of the triangle; unused for pieces */
+    bool inside,
+        behind;  /* set by rtc_leave: whether the new ray starts inside of this hit's object, and whether it goes away
                             * from the surface there, and comes no more to one that is flat */
-    bool smooth;           /* the shading normal may be another than this one */
-    bool clear;            /* so far from the triangle's edges that no rounding of float reaches them; true of pieces */
-    float grain;           /* the largest coordinate of the triangles near it; 0: not known */
+    bool smooth; /* the shading normal may be another than this one */
+    bool clear;  /* so far from the triangle's edges that no rounding of float reaches them; true of pieces */
+    float grain; /* the largest coordinate of the triangles near it; 0: not known */
 };
 
 /* A growing list of hits, one per worker, reused from ray to ray. */
@@ -138,8 +143,8 @@ typedef struct HitList {
     Hit *items;
     size_t n, capacity;
     bool out_of_memory;
-    bool beside; /* of rtc_nearest: the ray starts within rounding of an edge of an object that it does not start on; see
-                  * rtc_beside */
+    /* of rtc_nearest: the ray starts within rounding of an edge of an object that it does not start on; see rtc_beside */
+    bool beside;
 } HitList;
 void hit_list_clear(HitList *list); /* frees */
 
@@ -169,7 +174,8 @@ size_t rtc_beside(const RtcScene *scene, const Ray *ray, HitList *beside, HitLis
  * triangles along the ray are asked in double; it becomes the only one in the list. Embree may miss one at whose corner or
  * silhouette the ray is aimed, or along which it runs. False, and the list as it was, where there is none, and for objects that
  * are not meshes. */
-bool rtc_find_missed(const RtcScene *scene, const Ray *ray, uint32_t object, bool entering, double end, HitList *missed);
+bool rtc_find_missed(const RtcScene *scene, const Ray *ray, uint32_t object, bool entering, double end,
+                     HitList *missed);
 
 /* Puts one hit more into a list, in its place. False when memory ends. */
 bool rtc_add_hit(HitList *hits, const Hit *more);
@@ -238,9 +244,10 @@ void rtc_triangle(const RtcScene *scene, uint32_t object, uint32_t primitive, do
 
 /* A new ray in the given direction from the place where ray met the cluster hits[0 .. *n-1] (*n >= 1): from its far side
  * (through) or from the side that ray came from. Of several hits of one object only the last (first) is kept, and those of
- * triangles that have that very point in common, at an edge (hits and *n change); hits must live as long as the new ray. The origin is the exact point of the last (first) surface. hits[i].inside
- * says for each surface on which side of it the ray starts: by the order along the ray before, and by the direction where
- * the origin is on the surface itself; at an edge, for all of an object's triangles alike, whether it starts inside of that. The new ray may take the old one's place: next == ray. */
+ * triangles that have that very point in common, at an edge (hits and *n change); hits must live as long as the new ray. The
+ * origin is the exact point of the last (first) surface. hits[i].inside says for each surface on which side of it the ray starts:
+ * by the order along the ray before, and by the direction where the origin is on the surface itself; at an edge, for all of an
+ * object's triangles alike, whether it starts inside of that. The new ray may take the old one's place: next == ray. */
 void rtc_leave(const RtcScene *scene, const Ray *ray, Hit *hits, size_t *n, bool through, Vec3f direction, Ray *next);
 
 #endif

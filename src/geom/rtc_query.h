@@ -57,13 +57,14 @@ typedef struct Query {
     bool all, stop_at_opaque, blocked;
     bool exact; /* nearest query: every candidate is computed exactly as soon as it is found */
     HitList *hits, *passed;
-    bool passes; /* nearest query: the ray passes by some objects */
-    bool hides;  /* nearest query: some objects are not there for it */
-    bool unsure; /* the start, or a hit, is within rounding of a triangle's edge */
+    bool passes;        /* nearest query: the ray passes by some objects */
+    bool hides;         /* nearest query: some objects are not there for it */
+    bool unsure;        /* the start, or a hit, is within rounding of a triangle's edge */
     uint32_t all_along; /* the object whose triangles along the line have all been taken last; RTC_NO_OBJECT */
     LocalRay local;
-    uint32_t whole[RTC_WHOLE]; /* by the last digits of a piece's place in RtcScene.pieces: of which piece all crossings have
-                                * been taken, whichever eighth they are in; RTC_NO_OBJECT: of none */
+    /* by the last digits of a piece's place in RtcScene.pieces: of which piece all crossings have been taken, whichever eighth
+     * they are in; RTC_NO_OBJECT: of none */
+    uint32_t whole[RTC_WHOLE];
 } Query;
 
 /* Whether the ray passes by an object. */

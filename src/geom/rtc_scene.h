@@ -23,14 +23,14 @@ typedef struct RtcMesh {
     const Mesh *source, *end; /* end: NULL for one whose shape stays */
     RtcQuad *quads;           /* aligned; turned round where the mesh is baked and the transform mirrors */
     uint32_t n_quads;
-    bool baked;               /* placed once, or small: it is traced in the world's frame, not as an instance */
-    Vec3f *moved;             /* the vertices in the world's frame where it is baked; NULL where the source's are there */
+    bool baked;   /* placed once, or small: it is traced in the world's frame, not as an instance */
+    Vec3f *moved; /* the vertices in the world's frame where it is baked; NULL where the source's are there */
     _Atomic(struct RtcBoxes *) boxes; /* NULL: not asked for; see rtc_boxes.h */
 } RtcMesh;
 
 typedef struct RtcMaps {
     Affine to_world, to_local; /* at time 0 */
-    double rounding;           /* how many times what float rounds of coordinates is off that go into the frame and back */
+    double rounding; /* how many times what float rounds of coordinates is off that go into the frame and back */
 } RtcMaps;
 
 /* Whether anything else reaches into an object; see rtc_lone.c. */
@@ -52,20 +52,22 @@ typedef struct RtcPlaced {
     union {
         double radius; /* of a ball that stands still */
         struct {
-            uint32_t frame; /* objects in a row that stand in one frame have the number of the first of them; of a mesh that
-                             * may be lone its place in RtcScene.convex */
-            float grain;    /* of a mesh: not less than the coordinates that float rounds where it is met, but for the place's */
+            /* objects in a row that stand in one frame have the number of the first of them; of a mesh that may be lone its
+             * place in RtcScene.convex */
+            uint32_t frame;
+            /* of a mesh: not less than the coordinates that float rounds where it is met, but for the place's */
+            float grain;
         };
     };
-    uint32_t stops; /* the classes of rays that it stops, opaque or not */
+    uint32_t stops;                  /* the classes of rays that it stops, opaque or not */
     uint32_t pass_level, pass_alike; /* see Ray.pass_level */
     bool opaque : 1;
     bool hidden : 1;
     bool mirrored : 1; /* the transform turns orientation round (instances: normals must be turned too) */
     bool is_mesh : 1;
     bool moves : 1;
-    bool mapped : 1; /* it stands still, and more is done to it than moving it and making it larger evenly */
-    bool ball : 1;   /* of one piece, a sphere, that is always moved, turned and made larger evenly */
+    bool mapped : 1;   /* it stands still, and more is done to it than moving it and making it larger evenly */
+    bool ball : 1;     /* of one piece, a sphere, that is always moved, turned and made larger evenly */
     atomic_uchar lone; /* RTC_NOT_LONE and others */
 } RtcPlaced;
 enum { RTC_LINE = 64 };
@@ -100,8 +102,9 @@ typedef struct RtcPieceSet {
     struct RtcScene *scene;
     uint32_t *balls; /* the objects that are balls, which are met without frames */
     RtcPiece *pieces;
-    uint32_t first;  /* the place of the first of them in RtcScene.pieces */
-    uint32_t n_balls, n_whole, n_cut; /* primitives are the balls, behind them the pieces that are one each, and behind them
+    uint32_t first; /* the place of the first of them in RtcScene.pieces */
+    uint32_t n_balls, n_whole,
+        n_cut; /* primitives are the balls, behind them the pieces that are one each, and behind them
                                        * those that are eight */
     bool moving;
 } RtcPieceSet;
@@ -141,7 +144,8 @@ struct RtcScene {
     bool has_hidden; /* some objects are hidden to cameras */
     RtcMesh *meshes;
     uint32_t n_meshes;
-    _Atomic(struct RtcConvex *) *convex; /* of the mesh objects that may be lone, those that are known to be; see rtc_lone.c */
+    _Atomic(struct RtcConvex *)
+        *convex; /* of the mesh objects that may be lone, those that are known to be; see rtc_lone.c */
     uint32_t n_convex;
     RTCScene *shared; /* the scenes of meshes that are placed more than once */
     uint32_t n_shared;
@@ -155,11 +159,12 @@ struct RtcScene {
     uint32_t n_few;            /* of the still ones, all if they are few, which Embree then does not know; else 0 */
     RtcFour few[RTC_FEW / LANES];
     RtcOne alone[RTC_ALONE]; /* the same bounds, where they are no more */
-    RtcPlane *planes;          /* tested by themselves */
+    RtcPlane *planes;        /* tested by themselves */
     uint32_t n_planes;
     Box3 bounds;
     double reach; /* the largest coordinate of the bounds */
-    double piece_reach; /* the coordinate to which the boxes of pieces are made, and those of farther ones to their own */
+    /* the coordinate to which the boxes of pieces are made, and those of farther ones to their own */
+    double piece_reach;
     RtcGrain grain;
     atomic_llong bytes;
     Error error; /* the first that Embree reported */

@@ -114,11 +114,12 @@ static Kernel feature_kernel(int order)
         double g = exp(-i * i / (2 * sigma * sigma));
         double tap = order == 0 ? g : order == 1 ? -i * g : (i * i / (sigma * sigma) - 1) * g;
         kernel.taps[i + kernel.radius] = tap;
-        if (tap > 0) positive += tap;
-        else negative -= tap;
+        if (tap > 0)
+            positive += tap;
+        else
+            negative -= tap;
     }
-    for (int i = 0; i <= 2 * kernel.radius; i++)
-        kernel.taps[i] /= kernel.taps[i] > 0 ? positive : negative;
+    for (int i = 0; i <= 2 * kernel.radius; i++) kernel.taps[i] /= kernel.taps[i] > 0 ? positive : negative;
     return kernel;
 }
 
@@ -171,7 +172,7 @@ static void filter(const Plane *plane, const Layer *layer, const Kernel *along_x
 
 /* What is needed of one picture. */
 typedef struct FlipSide {
-    float *opponent; /* YCxCz, 3 per pixel, then filtered as the eye does */
+    float *opponent;       /* YCxCz, 3 per pixel, then filtered as the eye does */
     float *edges, *points; /* strength of features */
 } FlipSide;
 
@@ -266,8 +267,8 @@ static double mean_flip(const Plane *plane, const FlipSide *a, const FlipSide *b
         perceived(b->opponent + 3 * i, lab_b);
         double color = pow(hyab_distance(lab_a, lab_b), qc);
         color = color < knee ? pt / knee * color : pt + (color - knee) / (largest - knee) * (1 - pt);
-        double feature = fmax(fabs((double)a->edges[i] - (double)b->edges[i]),
-                              fabs((double)a->points[i] - (double)b->points[i]));
+        double feature =
+            fmax(fabs((double)a->edges[i] - (double)b->edges[i]), fabs((double)a->points[i] - (double)b->points[i]));
         sum += pow(color, 1 - pow(feature / sqrt(2), qf));
     }
     return sum / (double)plane->n_pixels;
@@ -298,8 +299,7 @@ static double luminance_at(const Image *image, const int rgb[3], size_t i)
     return 0.2126 * (double)p[rgb[0]] + 0.7152 * (double)p[rgb[1]] + 0.0722 * (double)p[rgb[2]];
 }
 
-static void compare_sums(const Image *a, const int rgb_a[3], const Image *b, const int rgb_b[3],
-                         Comparison *comparison)
+static void compare_sums(const Image *a, const int rgb_a[3], const Image *b, const int rgb_b[3], Comparison *comparison)
 {
     double squares = 0, relative = 0, relative_y = 0;
     uint64_t n[3] = {0}, n_y = 0;

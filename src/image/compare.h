@@ -10,9 +10,9 @@
  * states as its noise. */
 typedef struct Comparison {
     double rmse, relative_mse, relative_error, max_difference, mean_a[3], mean_b[3];
-    double flip;              /* mean of the FLIP map (Andersson et al. 2020) of the two under the sRGB view */
-    uint32_t max_x, max_y;    /* where the largest difference is */
-    uint64_t n_not_finite;    /* channels that are NaN or infinite in either; left out of the sums */
+    double flip;           /* mean of the FLIP map (Andersson et al. 2020) of the two under the sRGB view */
+    uint32_t max_x, max_y; /* where the largest difference is */
+    uint64_t n_not_finite; /* channels that are NaN or infinite in either; left out of the sums */
 } Comparison;
 
 /* STATUS_USAGE when the sizes or channels do not match, with both. flip only when asked for. */

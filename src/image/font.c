@@ -6,7 +6,14 @@
 
 #include "base/utf8.h"
 
-enum { FIRST = ' ', LAST = '~', BITS_ACROSS = 5, BITS_DOWN = 7, DESCENT = 2 /* of g, p, q, y and the sign of micro */, MICRO = 0xb5 };
+enum {
+    FIRST = ' ',
+    LAST = '~',
+    BITS_ACROSS = 5,
+    BITS_DOWN = 7,
+    DESCENT = 2 /* of g, p, q, y and the sign of micro */,
+    MICRO = 0xb5
+};
 
 /* The rows of each character from the top; the bit of 16 is on the left. */
 static const uint8_t glyphs[LAST - FIRST + 1][BITS_DOWN] = {

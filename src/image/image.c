@@ -31,16 +31,16 @@ Status image_new(uint32_t width, uint32_t height, const char *const *names, uint
     /* Memory that is not there is promised all the same, and then ends the program. */
     double machine = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
     if (machine > 0 && (double)bytes > machine)
-        return fail(error, STATUS_NOMEM, "a picture of %lu x %lu pixels and %lu channels needs %.0f GB, and there are %.0f",
-                    (unsigned long)width, (unsigned long)height, (unsigned long)n_channels, (double)bytes / 1e9, machine / 1e9);
+        return fail(
+            error, STATUS_NOMEM, "a picture of %lu x %lu pixels and %lu channels needs %.0f GB, and there are %.0f",
+            (unsigned long)width, (unsigned long)height, (unsigned long)n_channels, (double)bytes / 1e9, machine / 1e9);
     if (bytes > SIZE_MAX / 2) return fail_memory(error, SIZE_MAX, "a picture");
     image->names = calloc(n_channels, sizeof *image->names);
     image->pixels = calloc((size_t)bytes, 1);
     if (!image->names || !image->pixels) {
         image_clear(image);
         return fail(error, STATUS_NOMEM, "out of memory: %llu bytes for a picture of %lu x %lu pixels and %lu channels",
-                    (unsigned long long)bytes, (unsigned long)width, (unsigned long)height,
-                    (unsigned long)n_channels);
+                    (unsigned long long)bytes, (unsigned long)width, (unsigned long)height, (unsigned long)n_channels);
     }
     image->width = width;
     image->height = height;
@@ -175,7 +175,8 @@ Status image_read_as(const char *path, Image *image, bool *encoded, Error *error
     }
     if (stat(path, &facts) != 0) return fail(error, STATUS_INPUT, "cannot read '%s': %s", path, strerror(errno));
     if (S_ISDIR(facts.st_mode)) return fail(error, STATUS_INPUT, "cannot read '%s': it is a directory", path);
-    return fail(error, STATUS_INPUT, "cannot read '%s': it is neither an EXR nor a PNG, JPEG or Radiance picture (.hdr)", path);
+    return fail(error, STATUS_INPUT,
+                "cannot read '%s': it is neither an EXR nor a PNG, JPEG or Radiance picture (.hdr)", path);
 }
 
 Status image_read(const char *path, Image *image, Error *error)

@@ -35,11 +35,11 @@ typedef struct ExrOptions {
     const float *chromaticities;      /* red xy, green xy, blue xy, white xy; NULL: Rec.709, D65 */
     const ImageAttribute *attributes; /* the render's settings: "meniscus/samples", ... */
     size_t n_attributes;
-    float pixel_aspect;               /* 0: 1 */
+    float pixel_aspect; /* 0: 1 */
     /* Writes more bytes behind the picture, which readers of EXR files do not look at; NULL: none. */
     Status (*append)(void *context, FILE *stream, Error *error);
     void *append_context;
-    Pool *pool;                       /* compresses; the file is the same for any number of threads. NULL: one thread */
+    Pool *pool; /* compresses; the file is the same for any number of threads. NULL: one thread */
 } ExrOptions;
 
 /* Dimensions are 1..65536 each, channels 1..1024; STATUS_NOMEM otherwise fits memory or not. */

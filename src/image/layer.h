@@ -13,10 +13,11 @@ typedef enum LayerKind {
 
 typedef struct Layer {
     LayerKind kind;
-    float black, white; /* of LAYER_NUMBERS: which numbers become that. Equal where all are the same, which is grey then */
-    bool held;          /* of these: more than white is white, too */
-    bool has_holes;     /* of these: some pixels have no number, and a colour that no number has: dark blue */
-    Image image;        /* R, G, B */
+    float black,
+        white;      /* of LAYER_NUMBERS: which numbers become that. Equal where all are the same, which is grey then */
+    bool held;      /* of these: more than white is white, too */
+    bool has_holes; /* of these: some pixels have no number, and a colour that no number has: dark blue */
+    Image image;    /* R, G, B */
 } Layer;
 
 /* A layer is the channels NAME.R, NAME.G and NAME.B, or .X, .Y and .Z, or .U and .V, or the one channel NAME. */

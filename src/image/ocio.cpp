@@ -32,7 +32,8 @@ struct ColorConfig {
     OCIO::ConstCPUProcessorRcPtr to_working;
 };
 
-namespace {
+namespace
+{
 
 const float largest = 65504.0f; /* larger values come out of the ACES views black */
 const size_t block_pixels = 8192;
@@ -184,10 +185,10 @@ Status connect(ColorConfig *color, const char *label, Error *error)
                     label);
     color->space = color->config->getColorSpace(OCIO::ROLE_SCENE_LINEAR)->getName();
     OCIO::ConstConfigRcPtr ours = built_in_config();
-    color->from_working = cpu_of(
-        OCIO::Config::GetProcessorFromConfigs(ours, working_space, color->config, color->space.c_str()));
-    color->to_working = cpu_of(
-        OCIO::Config::GetProcessorFromConfigs(color->config, color->space.c_str(), ours, working_space));
+    color->from_working =
+        cpu_of(OCIO::Config::GetProcessorFromConfigs(ours, working_space, color->config, color->space.c_str()));
+    color->to_working =
+        cpu_of(OCIO::Config::GetProcessorFromConfigs(color->config, color->space.c_str(), ours, working_space));
     return STATUS_OK;
 }
 

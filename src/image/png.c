@@ -19,10 +19,10 @@ typedef struct PngJob {
     png_structp png;
     png_infop info;
     char reason[160];
-    png_bytep row;                 /* owned: one row to write */
-    png_bytep pixels;              /* owned: the whole picture, read */
-    png_bytepp rows;               /* owned: into pixels */
-    const char *bytes;             /* what is read */
+    png_bytep row;     /* owned: one row to write */
+    png_bytep pixels;  /* owned: the whole picture, read */
+    png_bytepp rows;   /* owned: into pixels */
+    const char *bytes; /* what is read */
     size_t n_bytes, position;
     uint32_t width, height, channels;
 } PngJob;
@@ -241,8 +241,8 @@ Status png_read(const char *path, Image *image, Error *error)
     else if (n_bytes < 8 || png_sig_cmp((png_const_bytep)bytes, 0, 8) != 0)
         status = fail(error, STATUS_INPUT, "cannot read '%s': it is not a PNG file", path);
     else if (!run_reader(&job))
-        status = fail(error, STATUS_INPUT, "cannot read '%s': the PNG file is damaged or cut short (%s)", path,
-                      job.reason);
+        status =
+            fail(error, STATUS_INPUT, "cannot read '%s': the PNG file is damaged or cut short (%s)", path, job.reason);
     else
         status = image_of_job(&job, image, error);
     clear_job(&job, true);

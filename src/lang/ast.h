@@ -18,16 +18,16 @@ typedef struct Builtin Builtin;
 typedef enum ExprKind {
     EXPR_POISON, /* its mistake has been reported */
     EXPR_CONSTANT,
-    EXPR_NAME,      /* before resolving; afterwards only a bare word that is no name */
-    EXPR_GLOBAL,    /* a slot of a file */
-    EXPR_LOCAL,     /* a slot of the running def */
-    EXPR_OUTER,     /* a slot of a def around the running one */
+    EXPR_NAME,   /* before resolving; afterwards only a bare word that is no name */
+    EXPR_GLOBAL, /* a slot of a file */
+    EXPR_LOCAL,  /* a slot of the running def */
+    EXPR_OUTER,  /* a slot of a def around the running one */
     EXPR_VECTOR,
     EXPR_LIST,
     EXPR_NEGATE,
     EXPR_PLUS,
     EXPR_NOT,
-    EXPR_ADD,       /* ORDER ARITHMETIC: EXPR_ADD .. EXPR_POWER, EXPR_EQUAL .. EXPR_GREATER_EQUAL */
+    EXPR_ADD, /* ORDER ARITHMETIC: EXPR_ADD .. EXPR_POWER, EXPR_EQUAL .. EXPR_GREATER_EQUAL */
     EXPR_SUBTRACT,
     EXPR_MULTIPLY,
     EXPR_DIVIDE,
@@ -44,17 +44,17 @@ typedef enum ExprKind {
     EXPR_CONDITION, /* a ? b : c */
     EXPR_LET,
     EXPR_RANGE,
-    EXPR_CALL,      /* before resolving */
+    EXPR_CALL,     /* before resolving */
     EXPR_FUNCTION, /* the name of a function as the value of a property; in as.call */
     EXPR_CALL_DEF,
     EXPR_CALL_BUILTIN,
     EXPR_CALL_TERM,
-    EXPR_MEMBER,    /* before resolving; afterwards a swizzle */
-    EXPR_FIELD,     /* a member of a record */
+    EXPR_MEMBER, /* before resolving; afterwards a swizzle */
+    EXPR_FIELD,  /* a member of a record */
     EXPR_INDEX,
     EXPR_NODE,
-    EXPR_EACH,      /* elements of a list only: for (name in list) element */
-    EXPR_WHEN       /* elements of a list only: if (condition) element */
+    EXPR_EACH, /* elements of a list only: for (name in list) element */
+    EXPR_WHEN  /* elements of a list only: if (condition) element */
 } ExprKind;
 
 /* Which slot a name stands for. hops: how many defs outward, for EXPR_OUTER. */
@@ -87,16 +87,16 @@ struct NodeExpr {
     Symbol *name; /* declared; NULL */
     Span name_span;
     Block *block;
-    const NodeType *type; /* resolved: the built-in type, NULL when only a prototype or macro can be meant */
+    const NodeType *type;     /* resolved: the built-in type, NULL when only a prototype or macro can be meant */
     const NodeType *declares; /* resolved: what it is of, where that is nowhere by itself, as a medium; else NULL */
     bool has_prototype;
-    Slot prototype;       /* resolved: the slot that may hold a prototype */
-    Def *def;             /* resolved: the macro that is used like a node */
+    Slot prototype; /* resolved: the slot that may hold a prototype */
+    Def *def;       /* resolved: the macro that is used like a node */
     uint32_t def_hops;
-    Slot name_slot;       /* resolved: of the declared name */
-    bool has_unknown;     /* a property has been reported as unknown: it may be one that is missing */
+    Slot name_slot;   /* resolved: of the declared name */
+    bool has_unknown; /* a property has been reported as unknown: it may be one that is missing */
     bool has_defaults;
-    Slot defaults;        /* resolved: the slot of the defaults that are in force for type */
+    Slot defaults; /* resolved: the slot of the defaults that are in force for type */
 };
 
 struct Expr {
@@ -188,12 +188,12 @@ struct Def {
     Span span;
     Formal *formals;
     uint32_t n_formals;
-    Expr *body;    /* of a function */
-    Block *block;  /* of a macro */
+    Expr *body;   /* of a function */
+    Block *block; /* of a macro */
     uint32_t n_slots;
     uint32_t level; /* of the def itself: 0 at the top of a file */
     bool calls_children;
-    bool declared;  /* while resolving: the statement itself has been reached */
+    bool declared; /* while resolving: the statement itself has been reached */
 };
 
 /* a name that a file offers to others */
@@ -224,7 +224,7 @@ struct Stmt {
             Expr *value;
             Expr *range;     /* of a param */
             const char *doc; /* of a param */
-        } bind; /* STMT_BIND, STMT_ASSIGN, STMT_PARAM */
+        } bind;              /* STMT_BIND, STMT_ASSIGN, STMT_PARAM */
         struct {
             Symbol *name;
             Expr *value;
@@ -267,7 +267,7 @@ struct File {
     File *next;
     uint32_t source;
     const char *path; /* NULL for texts that are no files */
-    Arena *arena;     /* for its tree; NULL: that of the reports. Of its own for only_starts: it is reset again and again */
+    Arena *arena; /* for its tree; NULL: that of the reports. Of its own for only_starts: it is reset again and again */
     Block *block;
     double version;
     bool has_unit;
@@ -275,10 +275,10 @@ struct File {
     double unit_m;
     Stmt **imports; /* in order of the text, wherever they stand */
     uint32_t n_imports, capacity;
-    bool only_starts;         /* asks the parser for the next two, and no tree; starts is malloc'd */
-    uint32_t *starts;         /* the first byte of each statement, in order of the text */
+    bool only_starts; /* asks the parser for the next two, and no tree; starts is malloc'd */
+    uint32_t *starts; /* the first byte of each statement, in order of the text */
     size_t n_starts, starts_capacity;
-    int state;     /* FILE_NEW ... */
+    int state; /* FILE_NEW ... */
     const DiagChain *chain;
     Export *exports;
     uint32_t n_exports;

@@ -37,25 +37,67 @@ static double unary_sin(double x)
     return sign * (angle > 45 ? cos(radians(90 - angle)) : sin(radians(angle)));
 }
 
-static double unary_cos(double x) { return unary_sin(fmod(x, 360) + 90); }
+static double unary_cos(double x)
+{
+    return unary_sin(fmod(x, 360) + 90);
+}
 static double unary_tan(double x)
 {
     double c = unary_cos(x);
     return c == 0 ? (double)NAN : unary_sin(x) / c;
 }
-static double unary_asin(double x) { return degrees(asin(x)); }
-static double unary_acos(double x) { return degrees(acos(x)); }
-static double unary_atan(double x) { return degrees(atan(x)); }
-static double unary_sqrt(double x) { return sqrt(x); }
-static double unary_abs(double x) { return fabs(x); }
-static double unary_floor(double x) { return floor(x); }
-static double unary_ceil(double x) { return ceil(x); }
-static double unary_round(double x) { return round(x); }
-static double unary_frac(double x) { return x - floor(x); }
-static double unary_sign(double x) { return (x > 0) - (x < 0); }
-static double unary_exp(double x) { return exp(x); }
-static double unary_log(double x) { return log(x); }
-static double unary_log10(double x) { return log10(x); }
+static double unary_asin(double x)
+{
+    return degrees(asin(x));
+}
+static double unary_acos(double x)
+{
+    return degrees(acos(x));
+}
+static double unary_atan(double x)
+{
+    return degrees(atan(x));
+}
+static double unary_sqrt(double x)
+{
+    return sqrt(x);
+}
+static double unary_abs(double x)
+{
+    return fabs(x);
+}
+static double unary_floor(double x)
+{
+    return floor(x);
+}
+static double unary_ceil(double x)
+{
+    return ceil(x);
+}
+static double unary_round(double x)
+{
+    return round(x);
+}
+static double unary_frac(double x)
+{
+    return x - floor(x);
+}
+static double unary_sign(double x)
+{
+    return (x > 0) - (x < 0);
+}
+static double unary_exp(double x)
+{
+    return exp(x);
+}
+static double unary_log(double x)
+{
+    return log(x);
+}
+static double unary_log10(double x)
+{
+    return log10(x);
+}
 
 /* ---- arguments ---- */
 
@@ -127,7 +169,8 @@ static void run_unary(const BuiltinCall *call, Value *result)
 
 static void run_atan2(const BuiltinCall *call, Value *result)
 {
-    if (builtin_numbers(call, result)) *result = value_number(degrees(atan2(call->args[0].as.number, call->args[1].as.number)));
+    if (builtin_numbers(call, result))
+        *result = value_number(degrees(atan2(call->args[0].as.number, call->args[1].as.number)));
 }
 
 static void run_pow(const BuiltinCall *call, Value *result)
@@ -152,7 +195,8 @@ static bool common_kind(const BuiltinCall *call, ValueKind *kind, Value *result)
     for (uint32_t i = 0; i < call->n; i++) {
         ValueKind found = call->args[i].kind;
         if (value_width(found) == 0 || (found != VALUE_NUMBER && *kind != VALUE_NUMBER && found != *kind)) {
-            builtin_wrong(call, i, *kind == VALUE_NUMBER ? "numbers, vectors or colours" : "values of one kind", result);
+            builtin_wrong(call, i, *kind == VALUE_NUMBER ? "numbers, vectors or colours" : "values of one kind",
+                          result);
             return false;
         }
         if (found != VALUE_NUMBER) *kind = found;
@@ -160,7 +204,10 @@ static bool common_kind(const BuiltinCall *call, ValueKind *kind, Value *result)
     return true;
 }
 
-static double element(const Value *value, unsigned i) { return value->as.v[value->kind == VALUE_NUMBER ? 0 : i]; }
+static double element(const Value *value, unsigned i)
+{
+    return value->as.v[value->kind == VALUE_NUMBER ? 0 : i];
+}
 
 /* min and max of one list go over its elements */
 static void extreme(const BuiltinCall *call, bool largest, Value *result)
@@ -190,11 +237,23 @@ static void extreme(const BuiltinCall *call, bool largest, Value *result)
     *result = best;
 }
 
-static void run_min(const BuiltinCall *call, Value *result) { extreme(call, false, result); }
-static void run_max(const BuiltinCall *call, Value *result) { extreme(call, true, result); }
+static void run_min(const BuiltinCall *call, Value *result)
+{
+    extreme(call, false, result);
+}
+static void run_max(const BuiltinCall *call, Value *result)
+{
+    extreme(call, true, result);
+}
 
-static double mix(double a, double b, double t) { return t == 1 ? b : a + (b - a) * t; }
-static double clamp(double x, double low, double high) { return x < low ? low : x > high ? high : x; }
+static double mix(double a, double b, double t)
+{
+    return t == 1 ? b : a + (b - a) * t;
+}
+static double clamp(double x, double low, double high)
+{
+    return x < low ? low : x > high ? high : x;
+}
 static double smoothstep(double a, double b, double x)
 {
     double t = a == b ? (x < a ? 0 : 1) : clamp((x - a) / (b - a), 0, 1);
@@ -212,9 +271,18 @@ static void map_three(const BuiltinCall *call, double (*function)(double, double
     builtin_finite(call, result);
 }
 
-static void run_clamp(const BuiltinCall *call, Value *result) { map_three(call, clamp, result); }
-static void run_mix(const BuiltinCall *call, Value *result) { map_three(call, mix, result); }
-static void run_smoothstep(const BuiltinCall *call, Value *result) { map_three(call, smoothstep, result); }
+static void run_clamp(const BuiltinCall *call, Value *result)
+{
+    map_three(call, clamp, result);
+}
+static void run_mix(const BuiltinCall *call, Value *result)
+{
+    map_three(call, mix, result);
+}
+static void run_smoothstep(const BuiltinCall *call, Value *result)
+{
+    map_three(call, smoothstep, result);
+}
 
 /* ---- vectors ---- */
 
@@ -300,8 +368,8 @@ bool builtin_fill(const BuiltinCall *call, unsigned width, double v[4], Value *r
     if (n == 1)
         for (; n < width; n++) v[n] = v[0];
     if (n == width) return true;
-    eval_error(call->evaluator, call->expr, D_MISSING_ARGUMENT, "'%s' takes %u numbers, not %u", call->expr->as.call.name,
-               width, n);
+    eval_error(call->evaluator, call->expr, D_MISSING_ARGUMENT, "'%s' takes %u numbers, not %u",
+               call->expr->as.call.name, width, n);
     result->kind = VALUE_POISON;
     return false;
 }
@@ -312,9 +380,18 @@ static void make_vector(const BuiltinCall *call, unsigned width, Value *result)
     if (builtin_fill(call, width, out.as.v, result)) *result = out;
 }
 
-static void run_vec2(const BuiltinCall *call, Value *result) { make_vector(call, 2, result); }
-static void run_vec3(const BuiltinCall *call, Value *result) { make_vector(call, 3, result); }
-static void run_vec4(const BuiltinCall *call, Value *result) { make_vector(call, 4, result); }
+static void run_vec2(const BuiltinCall *call, Value *result)
+{
+    make_vector(call, 2, result);
+}
+static void run_vec3(const BuiltinCall *call, Value *result)
+{
+    make_vector(call, 3, result);
+}
+static void run_vec4(const BuiltinCall *call, Value *result)
+{
+    make_vector(call, 4, result);
+}
 
 /* ---- random numbers ---- */
 
@@ -355,7 +432,8 @@ static void run_noise(const BuiltinCall *call, Value *result)
     for (uint32_t i = 0; i < call->n; i++) {
         unsigned width = value_width(call->args[i].kind);
         if (width == 0 || n + width > 3) {
-            builtin_wrong(call, i, i ? "3 numbers at most, a vector being as many" : "1 to 3 numbers, or a vector", result);
+            builtin_wrong(call, i, i ? "3 numbers at most, a vector being as many" : "1 to 3 numbers, or a vector",
+                          result);
             return;
         }
         for (unsigned k = 0; k < width; k++) point[n++] = call->args[i].as.v[k];
@@ -451,8 +529,14 @@ static const Builtin builtin_table[] = {
 #undef STATEMENT
 };
 
-size_t builtin_count(void) { return COUNT_OF(builtin_table); }
-const Builtin *builtin_at(size_t index) { return &builtin_table[index]; }
+size_t builtin_count(void)
+{
+    return COUNT_OF(builtin_table);
+}
+const Builtin *builtin_at(size_t index)
+{
+    return &builtin_table[index];
+}
 
 const Builtin *builtin_find(const char *name)
 {

@@ -47,8 +47,8 @@ static bool find_place(const BuiltinCall *call, CurvePlace *place, Value *result
 {
     if (!points_fit(call, result)) return false;
     if (call->args[1].kind != VALUE_NUMBER || (call->n > 2 && call->args[2].kind != VALUE_BOOL)) {
-        builtin_wrong(call, call->args[1].kind == VALUE_NUMBER ? 2 : 1, "points, a number, and whether the curve is closed",
-                      result);
+        builtin_wrong(call, call->args[1].kind == VALUE_NUMBER ? 2 : 1,
+                      "points, a number, and whether the curve is closed", result);
         return false;
     }
     const Value *points = &call->args[0];

@@ -10,7 +10,8 @@ static void give_transform(const BuiltinCall *call, const Affine *affine, Value 
 {
     Affine inverse;
     if (!affine_invert(affine, &inverse)) {
-        eval_error(call->evaluator, call->expr, D_SINGULAR_TRANSFORM, "this transform squashes space flat or is not finite");
+        eval_error(call->evaluator, call->expr, D_SINGULAR_TRANSFORM,
+                   "this transform squashes space flat or is not finite");
         result->kind = VALUE_POISON;
         return;
     }
@@ -22,8 +23,14 @@ static void give_transform(const BuiltinCall *call, const Affine *affine, Value 
     *result = (Value){.kind = VALUE_TRANSFORM, .as.transform = kept};
 }
 
-static double sine(double degrees) { return builtin_find("sin")->unary(degrees); }
-static double cosine(double degrees) { return builtin_find("cos")->unary(degrees); }
+static double sine(double degrees)
+{
+    return builtin_find("sin")->unary(degrees);
+}
+static double cosine(double degrees)
+{
+    return builtin_find("cos")->unary(degrees);
+}
 
 /* Rodrigues' formula; axis of length 1 */
 static Affine rotation(Vec3 axis, double degrees)
@@ -36,7 +43,10 @@ static Affine rotation(Vec3 axis, double degrees)
                     {0, 0, 0}};
 }
 
-static Vec3 vector_of(const Value *value) { return vec3(value->as.v[0], value->as.v[1], value->as.v[2]); }
+static Vec3 vector_of(const Value *value)
+{
+    return vec3(value->as.v[0], value->as.v[1], value->as.v[2]);
+}
 
 void run_rotate(const BuiltinCall *call, Value *result)
 {

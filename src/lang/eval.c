@@ -182,7 +182,8 @@ static File *new_file(Loader *loader, uint32_t source, const char *path)
     file->next = loader->files;
     loader->files = file;
     loader->n_files++;
-    if (path && ARRAY_ROOM(loader->paths, loader->path_capacity, loader->n_paths)) loader->paths[loader->n_paths++] = path;
+    if (path && ARRAY_ROOM(loader->paths, loader->path_capacity, loader->n_paths))
+        loader->paths[loader->n_paths++] = path;
     return file;
 }
 
@@ -330,7 +331,8 @@ static bool parse_override(Loader *loader, const char *text, Override *override)
     for (size_t i = 0; i < equal; i++)
         if (text[i] == '.') dot = i; /* the last one: properties have no dots */
     *override = (Override){.node = arena_copy_text(loader->arena, text, dot),
-                           .node_span = {source, 0, (uint32_t)dot}, .prop_span = {source, (uint32_t)dot + 1, (uint32_t)end}};
+                           .node_span = {source, 0, (uint32_t)dot},
+                           .prop_span = {source, (uint32_t)dot + 1, (uint32_t)end}};
     if (equal == length || dot == equal || dot == 0 || dot + 1 >= end) {
         Span all = {source, 0, (uint32_t)length};
         Diagnostic *report = diag_report(diag, D_SYNTAX, all, "--set takes NODE.PROPERTY=VALUE");
@@ -377,7 +379,8 @@ static void report_unused_defines(Evaluator *evaluator)
     for (size_t i = 0; i < evaluator->n_defines && !evaluator->stop; i++) {
         const Define *define = &evaluator->defines[i];
         if (define->used) continue;
-        Diagnostic *report = eval_report(evaluator, D_UNKNOWN_PARAM, define->span, "the scene has no parameter '%s'", define->name);
+        Diagnostic *report =
+            eval_report(evaluator, D_UNKNOWN_PARAM, define->span, "the scene has no parameter '%s'", define->name);
         diag_suggest_or_list(evaluator->diag, report, define->name, names, evaluator->n_params, "parameters");
     }
 }
@@ -483,9 +486,16 @@ static Status evaluate(Loader *loader, File *prelude, File *scene, Define *defin
     resolve_file(&resolver, scene, true);
     result->is_still = !resolver_uses(&resolver, PREDECLARED_CLOCK) && !resolver_uses(&resolver, PREDECLARED_FRAME) &&
                        !resolver_uses(&resolver, PREDECLARED_TIME);
-    Evaluator evaluator = {.diag = diag, .arena = options->arena ? options->arena : loader->arena, .options = options, .schema = options->schema,
-                           .limits = loader->limits, .srgb_to_working = resolver.srgb_to_working, .unit_m = scene->unit_m, .defines = defines,
-                           .n_defines = options->n_defines, .overrides = overrides,
+    Evaluator evaluator = {.diag = diag,
+                           .arena = options->arena ? options->arena : loader->arena,
+                           .options = options,
+                           .schema = options->schema,
+                           .limits = loader->limits,
+                           .srgb_to_working = resolver.srgb_to_working,
+                           .unit_m = scene->unit_m,
+                           .defines = defines,
+                           .n_defines = options->n_defines,
+                           .overrides = overrides,
                            .n_overrides = options->n_overrides};
     evaluator.globals = ARENA_ARRAY(loader->arena, Value, resolver.n_globals);
     evaluator.n_globals = resolver.n_globals;

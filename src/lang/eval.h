@@ -34,17 +34,17 @@ typedef enum SpectrumForm { SPECTRUM_NUMBER, SPECTRUM_COLOR, SPECTRUM_VECTOR, SP
 /* A property after checking. Which member of the union holds depends on type->kind. */
 typedef struct EvalProp {
     const PropType *type;
-    Span span; /* of the value's expression */
+    Span span;     /* of the value's expression */
     bool textured; /* PROP_TEXTURE: as.node, whatever the kind */
     union {
         double number; /* PROP_NUMBER, PROP_INTEGER */
         bool truth;
-        const char *text;  /* PROP_STRING, PROP_CHOICE */
-        double vector[3];  /* PROP_VECTOR2, PROP_VECTOR3, PROP_COLOR */
+        const char *text; /* PROP_STRING, PROP_CHOICE */
+        double vector[3]; /* PROP_VECTOR2, PROP_VECTOR3, PROP_COLOR */
         struct {
             SpectrumForm form;
             union {
-                double rgb[3]; /* NUMBER: rgb[0]; COLOR, VECTOR: all three */
+                double rgb[3];        /* NUMBER: rgb[0]; COLOR, VECTOR: all three */
                 const EvalTerm *term; /* TERM */
             };
         } spectrum; /* PROP_SPECTRUM, PROP_NUMBER_OR_TERM, PROP_TERM */
@@ -53,31 +53,33 @@ typedef struct EvalProp {
         struct {
             size_t n;
             union {
-                const double *numbers;      /* PROP_NUMBERS n, PROP_VECTORS2 2n, PROP_VECTORS3 3n */
-                const char *const *texts;   /* PROP_STRINGS */
+                const double *numbers;    /* PROP_NUMBERS n, PROP_VECTORS2 2n, PROP_VECTORS3 3n */
+                const char *const *texts; /* PROP_STRINGS */
                 const EvalNode *const *nodes;
             };
-            size_t n_lists;             /* PROP_NUMBER_LISTS, PROP_VECTOR2_LISTS: n and numbers are of all together.
+            size_t n_lists;        /* PROP_NUMBER_LISTS, PROP_VECTOR2_LISTS: n and numbers are of all together.
                                          * PROP_RAMP: how many of the n values are colours; numbers: 4n, a position
                                          * 0..1 in ascending order and three channels (all the same of a number) */
-            const size_t *lengths;      /* n_lists; not of PROP_RAMP */
+            const size_t *lengths; /* n_lists; not of PROP_RAMP */
         } list;
     } as;
 } EvalProp;
 
 struct EvalNode {
     const NodeType *type;
-    const char *name;            /* as declared, NULL when it has none */
-    Span span;                   /* of the type's or prototype's word */
-    const DiagChain *chain;      /* includes and macros around it */
-    Affine transform;            /* to the parent; of an instance: the prototype's, then its own */
-    const EvalNode *prototype;   /* the node that this is an instance of, with PROP_SHAPE properties unchanged; else NULL */
-    EvalProp *props;             /* the ones that were set (an instance: the prototype's, overridden), in table order */
+    const char *name;       /* as declared, NULL when it has none */
+    Span span;              /* of the type's or prototype's word */
+    const DiagChain *chain; /* includes and macros around it */
+    Affine transform;       /* to the parent; of an instance: the prototype's, then its own */
+    const EvalNode
+        *prototype;  /* the node that this is an instance of, with PROP_SHAPE properties unchanged; else NULL */
+    EvalProp *props; /* the ones that were set (an instance: the prototype's, overridden), in table order */
     size_t n_props;
-    EvalNode **children;         /* in order of the text */
+    EvalNode **children; /* in order of the text */
     size_t n_children;
-    uint64_t identity;           /* of the place in the text and the calls and turns of loops around it: the same at another clock */
-    unsigned depth;              /* of children and prototypes within each other, at most LIMIT_NODE_DEPTH */
+    uint64_t
+        identity;   /* of the place in the text and the calls and turns of loops around it: the same at another clock */
+    unsigned depth; /* of children and prototypes within each other, at most LIMIT_NODE_DEPTH */
 };
 
 /* How long a name is without two underscores and a number at its end, by which a flat text tells apart what a scene calls the same. */
@@ -85,7 +87,7 @@ size_t eval_word_length(const char *name);
 
 /* What an evaluation may use up, so that no scene can run for ever or fill the memory. 0: the default, of limits.def. */
 typedef struct EvalLimits {
-    uint64_t steps;      /* turns of loops and calls */
+    uint64_t steps; /* turns of loops and calls */
     uint64_t nodes;
     uint64_t memory;     /* bytes */
     uint64_t file_bytes; /* of one text; never more than the default */
@@ -124,8 +126,8 @@ typedef struct EvalGeometry {
     Status (*inside)(void *state, const EvalNode *node, Vec3 point, bool *inside, Error *error);
     /* The surfaces along a ray in order of their distance, or no more than the first. direction: unit. *hits stays valid until
      * the next question. */
-    Status (*hits)(void *state, const EvalNode *node, Vec3 from, Vec3 direction, bool all, const EvalHit **hits, size_t *n,
-                   Error *error);
+    Status (*hits)(void *state, const EvalNode *node, Vec3 from, Vec3 direction, bool all, const EvalHit **hits,
+                   size_t *n, Error *error);
     /* A place on the surface: a function of the seed, evenly distributed by area. */
     Status (*scatter)(void *state, const EvalNode *node, uint64_t seed, EvalHit *place, Error *error);
 } EvalGeometry;
@@ -142,13 +144,13 @@ typedef struct EvalOptions {
     const char *confine; /* NULL, or the folder that every file must be under */
     const char *preset;
     double clock;
-    int frame, frames; /* of an animation; frames 0: the only frame, 1 */
-    double time;       /* seconds */
-    double srgb_to_working[9]; /* row-major, linear sRGB to the working space; all 0: identity */
-    const EvalLibrary *library; /* what `use` finds where no file of the scene's has the name; NULL: nothing */
+    int frame, frames;            /* of an animation; frames 0: the only frame, 1 */
+    double time;                  /* seconds */
+    double srgb_to_working[9];    /* row-major, linear sRGB to the working space; all 0: identity */
+    const EvalLibrary *library;   /* what `use` finds where no file of the scene's has the name; NULL: nothing */
     const EvalGeometry *geometry; /* NULL: nothing can be asked of shapes */
     const void *geometry_context; /* for geometry->open */
-    Arena *arena;      /* takes all that running the scene makes, the nodes of the result among it; it jumps where that of
+    Arena *arena; /* takes all that running the scene makes, the nodes of the result among it; it jumps where that of
                         * diag does. NULL: that of diag */
     EvalLimits limits;
 } EvalOptions;
@@ -163,26 +165,27 @@ typedef struct EvalParam {
 } EvalParam;
 
 typedef struct EvalResult {
-    EvalNode **nodes; /* at top level, in order of the text: placed nodes, NODE_SINGLE settings (merged, one each), and named declarations */
+    EvalNode **
+        nodes; /* at top level, in order of the text: placed nodes, NODE_SINGLE settings (merged, one each), and named declarations */
     size_t n_nodes;
     EvalNode **settings; /* the NODE_SINGLE ones, also when errors were reported: what was understood of them */
     size_t n_settings;
-    double unit_m;    /* metres per scene unit */
-    bool has_unit;    /* the scene's header names it */
-    bool is_still;    /* nothing in the texts asks for the clock, the frame or the time */
+    double unit_m;            /* metres per scene unit */
+    bool has_unit;            /* the scene's header names it */
+    bool is_still;            /* nothing in the texts asks for the clock, the frame or the time */
     const char *const *files; /* paths that were read, the scene first */
     size_t n_files;
     EvalParam *params;
     size_t n_params;
     uint64_t steps; /* that it took; see EvalLimits */
-    Buf printed; /* what print() said; buf_clear it */
+    Buf printed;    /* what print() said; buf_clear it */
 } EvalResult;
 
 /* Reads path ("-": standard input) and everything it includes, parses, evaluates, checks.
  * STATUS_OK, STATUS_SCENE with reports in diag, or STATUS_INPUT (the scene file itself cannot be
  * read) with *error. All memory is the arena's of diag, which must be guarded by the caller, and of options. */
-ATTR_NODISCARD Status eval_scene(const char *path, const EvalOptions *options, Diag *diag,
-                                 EvalResult *result, Error *error);
+ATTR_NODISCARD Status eval_scene(const char *path, const EvalOptions *options, Diag *diag, EvalResult *result,
+                                 Error *error);
 /* The same for text in memory (0-terminated), under a name for messages. */
 ATTR_NODISCARD Status eval_text(const char *name, const char *text, size_t length, const EvalOptions *options,
                                 Diag *diag, EvalResult *result, Error *error);

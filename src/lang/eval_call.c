@@ -242,7 +242,8 @@ void eval_call_def(Evaluator *evaluator, Expr *expr, Value *result)
         Diagnostic *report = eval_error(evaluator, expr, D_NOT_A_MACRO,
                                         "'%s' is a macro: it places nodes and has no value", def->name->text);
         diag_hint(evaluator->diag, report, "a group of what it places is one: group { %s }",
-                  eval_written(evaluator, expr->span, LONGEST_CALL, "\n", arena_format(evaluator->arena, "%s(...)", def->name->text)));
+                  eval_written(evaluator, expr->span, LONGEST_CALL, "\n",
+                               arena_format(evaluator->arena, "%s(...)", def->name->text)));
         diag_note(evaluator->diag, report, def->span, "declared here");
         return;
     }
@@ -287,7 +288,8 @@ static void hint_at_block(Evaluator *evaluator, Diagnostic *report, const Expr *
     const Args *args = &call->as.call.args;
     const char *text = evaluator->diag->sources->sources[call->span.source].text + call->span.begin, *list = "";
     const char *name = arena_copy_text(evaluator->arena, text, strcspn(text, "( \t\n")); /* gems.princess */
-    const char *as_call = eval_written(evaluator, call->span, 40, "\n", arena_format(evaluator->arena, "%s(...)", name));
+    const char *as_call =
+        eval_written(evaluator, call->span, 40, "\n", arena_format(evaluator->arena, "%s(...)", name));
     if (!block->first) {
         diag_hint(evaluator->diag, report, "write: %s, without '{ }'", as_call);
         return;

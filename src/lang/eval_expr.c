@@ -28,8 +28,7 @@ static void eval_constant(Evaluator *evaluator, Expr *expr, Value *result)
 
 static void eval_bare_word(Evaluator *evaluator, Expr *expr, Value *result)
 {
-    Diagnostic *report =
-        eval_error(evaluator, expr, D_UNKNOWN_NAME, "unknown name '%s'", expr->as.name.symbol->text);
+    Diagnostic *report = eval_error(evaluator, expr, D_UNKNOWN_NAME, "unknown name '%s'", expr->as.name.symbol->text);
     const char *word = habit_word(expr->as.name.symbol->text);
     if (word)
         diag_hint(evaluator->diag, report, "write: %s", word);
@@ -82,8 +81,8 @@ bool eval_hint_at_axis(Evaluator *evaluator, Diagnostic *report, const Expr *exp
 {
     const char *axis = hidden_axis(expr);
     if (axis)
-        diag_hint(evaluator->diag, report, "'%s' is a name of the scene here and hides the axis, which is <%d, %d, %d>", axis,
-                  *axis == 'x', *axis == 'y', *axis == 'z');
+        diag_hint(evaluator->diag, report, "'%s' is a name of the scene here and hides the axis, which is <%d, %d, %d>",
+                  axis, *axis == 'x', *axis == 'y', *axis == 'z');
     return axis != NULL;
 }
 
@@ -121,7 +120,9 @@ static void wrong_operands(Evaluator *evaluator, Expr *expr, const Value *a, con
         diag_hint(evaluator->diag, report, "write: str(a, b), for texts and what becomes one");
     else if (a->kind == VALUE_NODE && b->kind == VALUE_NODE)
         diag_hint(evaluator->diag, report, "write: %s { a { }  b { } }",
-                  expr->kind == EXPR_SUBTRACT ? "difference" : expr->kind == EXPR_MULTIPLY ? "intersection" : "union");
+                  expr->kind == EXPR_SUBTRACT   ? "difference"
+                  : expr->kind == EXPR_MULTIPLY ? "intersection"
+                                                : "union");
     else if (expr->kind == EXPR_MODULO && a->kind == VALUE_NUMBER &&
              b->kind == VALUE_NODE) /* 40%, and sphere { } below it */
         diag_hint(evaluator->diag, report, "it is the remainder of a division, not a hundredth; write: %g",
@@ -205,7 +206,10 @@ static void join_lists(Evaluator *evaluator, const Expr *expr, const Value *a, c
     *result = list_builder_finish(&builder);
 }
 
-static bool scales(const Value *value) { return value->kind == VALUE_TERM && value->as.term->type->flags & TERM_SCALES; }
+static bool scales(const Value *value)
+{
+    return value->kind == VALUE_TERM && value->as.term->type->flags & TERM_SCALES;
+}
 
 static void scale_term(Evaluator *evaluator, Expr *expr, const EvalTerm *term, double factor, Value *result)
 {
@@ -216,7 +220,10 @@ static void scale_term(Evaluator *evaluator, Expr *expr, const EvalTerm *term, d
     if (!isfinite(scaled->scale)) not_finite(evaluator, expr, "the result is not finite", result);
 }
 
-static bool is_sequence(const Value *value) { return value->kind == VALUE_LIST || value->kind == VALUE_RANGE; }
+static bool is_sequence(const Value *value)
+{
+    return value->kind == VALUE_LIST || value->kind == VALUE_RANGE;
+}
 
 static void general_arithmetic(Evaluator *evaluator, Expr *expr, const Value *a, const Value *b, Value *result)
 {
@@ -286,8 +293,9 @@ static void eval_divide(Evaluator *evaluator, Expr *expr, Value *result)
         double x = a->as.number, y = b->as.number, value = arithmetic(expr->kind, x, y);
         *result = value_number(value);
         if (!isfinite(value) && isfinite(x) && isfinite(y))
-            not_finite(evaluator, expr, arena_format(evaluator->arena, "%g %s %g is no finite number", x,
-                                                     operator_text(expr->kind), y), result);
+            not_finite(evaluator, expr,
+                       arena_format(evaluator->arena, "%g %s %g is no finite number", x, operator_text(expr->kind), y),
+                       result);
     } else {
         general_arithmetic(evaluator, expr, a, b, result);
     }
@@ -432,7 +440,8 @@ static void add_elements(Evaluator *evaluator, Expr *expr, ListBuilder *builder)
         add_each(evaluator, expr, builder);
     } else if (expr->kind == EXPR_WHEN) {
         bool poison;
-        if (eval_condition(evaluator, expr->as.each.source, &poison)) add_elements(evaluator, expr->as.each.body, builder);
+        if (eval_condition(evaluator, expr->as.each.source, &poison))
+            add_elements(evaluator, expr->as.each.body, builder);
     } else {
         Value room;
         list_builder_add(builder, eval_operand(evaluator, expr, &room));
@@ -528,8 +537,8 @@ static void eval_field(Evaluator *evaluator, Expr *expr, Value *result)
     const char *name = expr->as.member.name->text;
     if (base->kind == VALUE_RECORD && record_field(base->as.record, name, result)) return;
     if (base->kind != VALUE_POISON) {
-        Diagnostic *report = eval_error(evaluator, expr, D_WRONG_TYPE, "%s has no '.%s'",
-                                        value_describe(evaluator->arena, base), name);
+        Diagnostic *report =
+            eval_error(evaluator, expr, D_WRONG_TYPE, "%s has no '.%s'", value_describe(evaluator->arena, base), name);
         if (base->kind == VALUE_NONE)
             diag_hint(evaluator->diag, report, "a ray that meets nothing gives none: ask for '!= none' first");
         else if (base->kind == VALUE_NODE && schema_prop(base->as.node->type, name))
@@ -551,7 +560,8 @@ static void eval_index(Evaluator *evaluator, Expr *expr, Value *result)
         return;
     }
     if (index->kind != VALUE_NUMBER) {
-        eval_error(evaluator, expr, D_WRONG_TYPE, "an index is a number, not %s", value_describe(evaluator->arena, index));
+        eval_error(evaluator, expr, D_WRONG_TYPE, "an index is a number, not %s",
+                   value_describe(evaluator->arena, index));
         return;
     }
     size_t n = vector ? value_width(base->kind) : value_count(base);

@@ -14,7 +14,10 @@ static void node_list_add(Evaluator *evaluator, NodeList *list, EvalNode *node)
 
 /* ---- properties ---- */
 
-static size_t row_of(const NodeType *type, const PropType *prop) { return (size_t)(prop - type->props); }
+static size_t row_of(const NodeType *type, const PropType *prop)
+{
+    return (size_t)(prop - type->props);
+}
 
 /* Room for the values of one node in the making, by row; used again for the next one. */
 struct PropRoom {
@@ -372,8 +375,8 @@ static void place(Evaluator *evaluator, EvalNode *node)
     } else if (target->collects) {
         node_list_add(evaluator, &target->children, node);
     } else if (!target->type) {
-        Diagnostic *report = eval_report(evaluator, D_MISPLACED, node->span,
-                                         "a node among the arguments of '%s'", target->name);
+        Diagnostic *report =
+            eval_report(evaluator, D_MISPLACED, node->span, "a node among the arguments of '%s'", target->name);
         diag_hint(evaluator->diag, report, "give it as children: %s(...) { ... }", target->name);
     } else if (!(target->type->flags & NODE_CHILDREN)) {
         eval_report(evaluator, D_MISPLACED, node->span, "%s holds no other nodes",
@@ -470,8 +473,7 @@ static void macro_node(Evaluator *evaluator, NodeExpr *expr)
     eval_block(evaluator, expr->block);
     Target placed = {.collects = true, .name = args.name};
     evaluator->target = &placed;
-    if (!evaluator->stop)
-        eval_call_macro_values(evaluator, expr->def, expr->def_hops, args.args, expr->path.span);
+    if (!evaluator->stop) eval_call_macro_values(evaluator, expr->def, expr->def_hops, args.args, expr->path.span);
     evaluator->target = outer;
     for (size_t i = 0; i < placed.children.n; i++) {
         EvalNode *node = placed.children.items[i];

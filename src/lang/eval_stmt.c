@@ -145,9 +145,9 @@ static bool take_define(Evaluator *evaluator, Stmt *stmt, Define *define, Value 
     bool grey = given.kind == VALUE_NUMBER && value->kind == VALUE_COLOR;
     bool fits = given.kind == value->kind || grey || value->kind == VALUE_NONE || stmt->as.bind.type;
     if (!fits) {
-        Diagnostic *report = eval_report(evaluator, D_WRONG_TYPE, define->span, "parameter '%s' is %s, not %s",
-                                         stmt->as.bind.name->text, value_describe(evaluator->arena, value),
-                                         value_describe(evaluator->arena, &given));
+        Diagnostic *report =
+            eval_report(evaluator, D_WRONG_TYPE, define->span, "parameter '%s' is %s, not %s", stmt->as.bind.name->text,
+                        value_describe(evaluator->arena, value), value_describe(evaluator->arena, &given));
         diag_note(evaluator->diag, report, stmt->as.bind.name_span, "declared here");
         if (value->kind == VALUE_BOOL && given.kind == VALUE_NUMBER)
             diag_hint(evaluator->diag, report, "write: %s", given.as.number != 0 ? "true" : "false");
@@ -161,7 +161,8 @@ static bool take_define(Evaluator *evaluator, Stmt *stmt, Define *define, Value 
 static bool range_allows(const Value *range, const Value *value)
 {
     if (range->kind == VALUE_RANGE) {
-        double a = range->as.range.first, b = a + (double)(range->as.range.n ? range->as.range.n - 1 : 0) * range->as.range.step;
+        double a = range->as.range.first,
+               b = a + (double)(range->as.range.n ? range->as.range.n - 1 : 0) * range->as.range.step;
         unsigned width = value_width(value->kind);
         for (unsigned i = 0; i < width; i++)
             if (!(value->as.v[i] >= fmin(a, b) && value->as.v[i] <= fmax(a, b))) return false;
@@ -206,13 +207,15 @@ static const char *with_unit(Evaluator *evaluator, const char *text, const char 
 }
 
 /* The range as text, "5..60" or "[1, 2]"; NULL when there is none, or it is a mistake. given: what -D says; NULL: nothing. */
-static const char *check_param_range(Evaluator *evaluator, Stmt *stmt, const Value *value, const Define *given, Span span)
+static const char *check_param_range(Evaluator *evaluator, Stmt *stmt, const Value *value, const Define *given,
+                                     Span span)
 {
     Value range;
     if (!stmt->as.bind.range || !range_of_param(evaluator, stmt->as.bind.range, &range)) return NULL;
     const char *bounds = text_of(evaluator, &range);
     if (range.kind == VALUE_RANGE && stmt->as.bind.range->kind == EXPR_RANGE && range.as.range.n == 2)
-        bounds = arena_format(evaluator->arena, "%g..%g", range.as.range.first, range.as.range.first + range.as.range.step);
+        bounds =
+            arena_format(evaluator->arena, "%g..%g", range.as.range.first, range.as.range.first + range.as.range.step);
     if (value->kind == VALUE_POISON || range_allows(&range, value)) return bounds;
     const UnitType *type = unit_of_param(stmt);
     if (!type && given) type = unit_of_literal(given->expr);
@@ -246,7 +249,8 @@ static void param_stmt(Evaluator *evaluator, Stmt *stmt)
     } else if (define) {
         define->used = true;
     }
-    if (!eval_type_allows(evaluator, stmt->as.bind.type, stmt->as.bind.type_span, &value, span, stmt->as.bind.name->text))
+    if (!eval_type_allows(evaluator, stmt->as.bind.type, stmt->as.bind.type_span, &value, span,
+                          stmt->as.bind.name->text))
         value = value_poison();
     const char *range = check_param_range(evaluator, stmt, &value, define, span);
     if (!evaluator->discard) record_param(evaluator, stmt, &value, range);
@@ -260,7 +264,8 @@ static void assign_stmt(Evaluator *evaluator, Stmt *stmt)
     Value *slot = eval_slot(evaluator, stmt->as.bind.slot);
     if (slot->kind == VALUE_UNSET && !stmt->reported) {
         stmt->reported = true;
-        eval_report(evaluator, D_UNSET_NAME, stmt->span, "'%s' is changed before it has a value", stmt->as.bind.name->text);
+        eval_report(evaluator, D_UNSET_NAME, stmt->span, "'%s' is changed before it has a value",
+                    stmt->as.bind.name->text);
     }
     *slot = value;
 }
@@ -342,8 +347,8 @@ static void preset_stmt(Evaluator *evaluator, Stmt *stmt)
     NodeExpr *node = stmt->as.node;
     for (size_t i = 0; i < evaluator->n_presets; i++)
         if (evaluator->presets[i].node->name == node->name) {
-            Diagnostic *report =
-                eval_report(evaluator, D_DUPLICATE_NAME, node->name_span, "preset '%s' stands here twice", node->name->text);
+            Diagnostic *report = eval_report(evaluator, D_DUPLICATE_NAME, node->name_span,
+                                             "preset '%s' stands here twice", node->name->text);
             diag_note(evaluator->diag, report, evaluator->presets[i].node->name_span, "first here");
             return;
         }

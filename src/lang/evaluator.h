@@ -14,9 +14,9 @@
 typedef struct Frame Frame;
 struct Frame {
     Value *slots;
-    Frame *lexical;         /* of the def around this one in the text; NULL at the top of a file */
+    Frame *lexical; /* of the def around this one in the text; NULL at the top of a file */
     Frame *caller;
-    const Def *def;         /* NULL: the top of a file */
+    const Def *def; /* NULL: the top of a file */
     Span call_span;
     Block *children;        /* the block behind the call; NULL */
     Frame *children_frame;  /* in which it runs */
@@ -36,23 +36,24 @@ typedef struct NodeList {
 typedef struct Target Target;
 typedef struct PropRoom PropRoom;
 struct Target {
-    const NodeType *type;      /* NULL: no node */
-    const Def *def;            /* the macro whose arguments are collected; NULL */
-    const EvalNode *base;      /* prototype or defaults that values are inherited from; NULL */
-    const char *name;          /* for messages */
+    const NodeType *type; /* NULL: no node */
+    const Def *def;       /* the macro whose arguments are collected; NULL */
+    const EvalNode *base; /* prototype or defaults that values are inherited from; NULL */
+    const char *name;     /* for messages */
     Span span;
-    PropRoom *room;            /* NULL until a property is set; holds the next three */
-    EvalProp *props;           /* by row of the type's table */
+    PropRoom *room;  /* NULL until a property is set; holds the next three */
+    EvalProp *props; /* by row of the type's table */
     PropState *states;
     Span *set_spans;
-    Value *args;               /* of def, by formal */
+    Value *args; /* of def, by formal */
     Affine transform;
     NodeList children;
     bool shape_changed;
-    const NodeType *hidden;    /* the node whose name the scene gave to what this is an instance of, and that it was meant for
+    const NodeType
+        *hidden;      /* the node whose name the scene gave to what this is an instance of, and that it was meant for
                                 * by all that can be: of no use where it stands. Or NULL */
-    bool has_unknown;          /* a property has been reported as unknown */
-    bool collects;             /* takes any placed node: the nodes that a macro places */
+    bool has_unknown; /* a property has been reported as unknown */
+    bool collects;    /* takes any placed node: the nodes that a macro places */
 };
 
 typedef struct Define {
@@ -85,41 +86,41 @@ typedef struct Evaluator {
     const Schema *schema;
     EvalLimits limits;
     const double *srgb_to_working;
-    double unit_m;              /* metres per scene unit */
+    double unit_m; /* metres per scene unit */
     Value *globals;
     uint32_t n_globals;
     Frame *frame;
-    Target *target;             /* NULL: the top of the scene */
-    SlotChunk *chunks;          /* memory of frames */
-    PropRoom *rooms;            /* free ones */
-    Affine *newest_transform;   /* that a builtin made; NULL: none since the present statement began */
-    Affine *free_transform;     /* memory for the next one; NULL */
+    Target *target;           /* NULL: the top of the scene */
+    SlotChunk *chunks;        /* memory of frames */
+    PropRoom *rooms;          /* free ones */
+    Affine *newest_transform; /* that a builtin made; NULL: none since the present statement began */
+    Affine *free_transform;   /* memory for the next one; NULL */
     uint64_t steps, n_nodes;
-    uint64_t next_look;         /* the step at which limits are looked at again */
-    uint32_t calls;             /* now running */
-    uint64_t where;             /* a hash of the calls and turns of loops that are running: see EvalNode.identity */
+    uint64_t next_look; /* the step at which limits are looked at again */
+    uint32_t calls;     /* now running */
+    uint64_t where;     /* a hash of the calls and turns of loops that are running: see EvalNode.identity */
     uintptr_t stack_base;
-    bool stop;                  /* a limit was reached: unwind */
-    bool discard;               /* a file in use is run for its names: its nodes are not placed */
+    bool stop;    /* a limit was reached: unwind */
+    bool discard; /* a file in use is run for its names: its nodes are not placed */
     bool in_preset;
     NodeList top;
-    EvalNode **singles;         /* by row of the schema */
+    EvalNode **singles; /* by row of the schema */
     uint32_t *single_sources;
     Define *defines;
     size_t n_defines;
     Override *overrides;
     size_t n_overrides;
     bool in_override;
-    const char *bind_name;      /* of the let or var whose value is about to be made; NULL */
-    const char *call_name;      /* the same, where a function that is about to be called makes it */
+    const char *bind_name; /* of the let or var whose value is about to be made; NULL */
+    const char *call_name; /* the same, where a function that is about to be called makes it */
     Preset *presets;
     size_t n_presets, preset_capacity;
     EvalParam *params;
     size_t n_params, param_capacity;
     Buf printed;
-    void *geometry;             /* of options->geometry; NULL until a question is asked */
-    bool quiet;                 /* something is tried that may fail: no reports */
-    Diagnostic scratch;         /* takes the hints of reports that are not made */
+    void *geometry;     /* of options->geometry; NULL until a question is asked */
+    bool quiet;         /* something is tried that may fail: no reports */
+    Diagnostic scratch; /* takes the hints of reports that are not made */
 } Evaluator;
 
 /* A step down: into turn i of the loop, or the call, that stands at the span. */
@@ -218,7 +219,8 @@ void eval_call_macro(Evaluator *evaluator, Expr *expr, Block *block);
 /* Calls a macro with ready arguments (VALUE_UNSET: not given). */
 void eval_call_macro_values(Evaluator *evaluator, const Def *def, uint32_t hops, const Value *args, Span span);
 /* Does value have the type that a formal or param asks for? type: its name. Reports when not. */
-bool eval_type_allows(Evaluator *evaluator, Symbol *type, Span type_span, const Value *value, Span span, const char *name);
+bool eval_type_allows(Evaluator *evaluator, Symbol *type, Span type_span, const Value *value, Span span,
+                      const char *name);
 
 /* ---- statements (eval_stmt.c) ---- */
 

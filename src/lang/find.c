@@ -16,10 +16,10 @@ typedef struct Search {
     Diag *diag;
     Span span;
     const char *name;
-    bool outside;      /* where it would be is not within the confinement */
+    bool outside;        /* where it would be is not within the confinement */
     const char *skipped; /* a folder of -I or MENISCUS_PATH that is not; NULL: none */
-    const char *other; /* found, but a folder, a pipe or a device: the last of them; NULL: none */
-    FileKind kind;     /* of it */
+    const char *other;   /* found, but a folder, a pipe or a device: the last of them; NULL: none */
+    FileKind kind;       /* of it */
 } Search;
 
 /* The path without "." and without "name/..", so that it leads to its place and nowhere else on the way. */
@@ -42,7 +42,8 @@ static const char *direct_path(Arena *arena, const char *path)
         buf_add_bytes(&direct, path, length);
         if (up) fixed = direct.length;
     }
-    const char *text = arena_copy_text(arena, direct.length ? buf_text(&direct) : ".", direct.length ? direct.length : 1);
+    const char *text =
+        arena_copy_text(arena, direct.length ? buf_text(&direct) : ".", direct.length ? direct.length : 1);
     buf_clear(&direct);
     return text;
 }
@@ -122,9 +123,11 @@ static const char *search_file(Search *search, const EvalLibraryFile **library)
     if (search->name[0] == '/') return try_folder(search, "", 0, false);
     const Source *source = &search->diag->sources->sources[search->span.source];
     const char *slash = source->path ? strrchr(source->path, '/') : NULL;
-    const char *path = try_folder(search, source->path ? source->path : "", slash ? (size_t)(slash - source->path) + 1 : 0, false);
+    const char *path =
+        try_folder(search, source->path ? source->path : "", slash ? (size_t)(slash - source->path) + 1 : 0, false);
     for (size_t i = 0; !path && i < search->options->n_include_folders; i++)
-        path = try_folder(search, search->options->include_folders[i], strlen(search->options->include_folders[i]), true);
+        path =
+            try_folder(search, search->options->include_folders[i], strlen(search->options->include_folders[i]), true);
     if (!path) path = try_path_list(search, getenv("MENISCUS_PATH"));
     if (!path && library) *library = library_file(search->options, search->name);
     if (path || (library && *library)) return path;
@@ -182,8 +185,8 @@ static void report_missing(const Search *search)
         return;
     }
     note_missing(search);
-    Diagnostic *report = diag_report(diag, D_FILE_NOT_FOUND, search->span, "no file '%s'",
-                                     shown_name(diag->arena, search->name));
+    Diagnostic *report =
+        diag_report(diag, D_FILE_NOT_FOUND, search->span, "no file '%s'", shown_name(diag->arena, search->name));
     if (strpbrk(search->name, "\n\t\\")) diag_hint(diag, report, "write '/' between the folders of a path");
     const EvalLibraryFile *library;
     Search whole = *search; /* "std/media" */
@@ -198,7 +201,8 @@ static void report_missing(const Search *search)
     if (!report->hint && strncmp(search->name, "std/", 4) == 0)
         diag_hint(diag, report, "meniscus help std lists what the library has");
     if (!report->hint && search->skipped)
-        diag_hint(diag, report, "the folder '%s' is not searched: it is outside of '%s', to which the scene is confined",
+        diag_hint(diag, report,
+                  "the folder '%s' is not searched: it is outside of '%s', to which the scene is confined",
                   search->skipped, search->options->confine);
     if (!report->hint && search->name[0] && search->name[0] != '/')
         diag_hint(diag, report,
@@ -219,7 +223,8 @@ const char *eval_seek_file(const EvalOptions *options, Diag *diag, Span span, co
     return search_file(&search, NULL);
 }
 
-const char *find_import(const EvalOptions *options, Diag *diag, Span span, const char *name, const EvalLibraryFile **library)
+const char *find_import(const EvalOptions *options, Diag *diag, Span span, const char *name,
+                        const EvalLibraryFile **library)
 {
     Search search = {.options = options, .diag = diag, .span = span, .name = name};
     const Source *source = &diag->sources->sources[span.source];

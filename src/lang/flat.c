@@ -30,10 +30,10 @@ typedef struct Alias {
 /* A node that something refers to. */
 typedef struct Shared {
     const EvalNode *node;
-    const char *name;   /* NULL: it stands at the only place that refers to it */
+    const char *name; /* NULL: it stands at the only place that refers to it */
     uint32_t references;
-    bool prototype;     /* something is an instance of it */
-    bool stands;        /* as a statement at the top of the scene */
+    bool prototype; /* something is an instance of it */
+    bool stands;    /* as a statement at the top of the scene */
     bool written;
     Alias *aliases;
 } Shared;
@@ -43,11 +43,11 @@ typedef struct Flat {
     Diag *diag;
     Arena *arena;
     Buf *out;
-    Shared *shared;     /* open addressing by the node's address; NULL node: free */
+    Shared *shared; /* open addressing by the node's address; NULL node: free */
     size_t n_shared, capacity;
     FlatFunctions functions;
     SymbolTable symbols; /* names that are taken have a binding in it */
-    unsigned depth;     /* of blocks around */
+    unsigned depth;      /* of blocks around */
     bool too_deep;
 } Flat;
 
@@ -92,7 +92,10 @@ static const EvalNode *origin_of(const EvalNode *node)
 }
 
 /* Whether a property's value is one node. */
-static bool is_node(const EvalProp *prop) { return prop->textured || prop->type->kind == PROP_NODE; }
+static bool is_node(const EvalProp *prop)
+{
+    return prop->textured || prop->type->kind == PROP_NODE;
+}
 
 static void collect(Flat *flat, const EvalNode *node);
 
@@ -123,7 +126,10 @@ static void collect(Flat *flat, const EvalNode *node)
 /* A symbol of the table is taken when its binding is not NULL; which binding does not matter. */
 static Binding taken_mark;
 
-static void take_name(Flat *flat, const char *name) { symbol_of(&flat->symbols, name, strlen(name))->binding = &taken_mark; }
+static void take_name(Flat *flat, const char *name)
+{
+    symbol_of(&flat->symbols, name, strlen(name))->binding = &taken_mark;
+}
 
 static bool is_prelude(const Flat *flat, const EvalNode *node)
 {
@@ -157,7 +163,10 @@ static const char *new_name(Flat *flat, const char *wanted)
     return name;
 }
 
-static const char *new_def_name(void *context, const char *wanted) { return new_name(context, wanted); }
+static const char *new_def_name(void *context, const char *wanted)
+{
+    return new_name(context, wanted);
+}
 
 /* In order of the text, so that the first of a name keeps it; what was declared comes before what only is used. */
 static void name_shared(Flat *flat, const EvalNode *node)
@@ -196,7 +205,10 @@ static const Alias *find_alias(const Shared *origin, const char *declared)
 
 /* ---- values ---- */
 
-static void print_value(Buf *out, Value value) { value_print(out, &value, VALUE_QUOTED); }
+static void print_value(Buf *out, Value value)
+{
+    value_print(out, &value, VALUE_QUOTED);
+}
 
 static void print_vector(Buf *out, ValueKind kind, const double *numbers)
 {
@@ -220,7 +232,10 @@ static unsigned line_depth(const Buf *out)
     return (unsigned)(at - begin) / INDENT;
 }
 
-static bool behind_brace(const Buf *out) { return out->text[out->length - 1] == '{'; }
+static bool behind_brace(const Buf *out)
+{
+    return out->text[out->length - 1] == '{';
+}
 
 static void new_line(Flat *flat, unsigned depth)
 {
@@ -503,11 +518,15 @@ static void print_statement(Flat *flat, const EvalNode *node)
         const Shared *word = origin ? origin : own;
         const char *between = origin ? word_between(node) : NULL;
         buf_add(flat->out, between ? find_alias(word, between)->name : word->name);
-        if (node->name) buf_format(flat->out, " %s", own && origin && own->name ? own->name : new_name(flat, node->name));
+        if (node->name)
+            buf_format(flat->out, " %s", own && origin && own->name ? own->name : new_name(flat, node->name));
         print_body(flat, node, word->node, true);
         return;
     }
-    print_node(flat, node, node->type->name, own && own->name ? own->name : node->name ? new_name(flat, node->name) : NULL);
+    print_node(flat, node, node->type->name,
+               own && own->name ? own->name
+               : node->name     ? new_name(flat, node->name)
+                                : NULL);
 }
 
 /* ---- what must stand before a statement ---- */
@@ -552,7 +571,8 @@ static void declare_needs(Flat *flat, const EvalNode *node, bool whole)
     for (size_t i = 0; i < node->n_props; i++) {
         const EvalProp *prop = &node->props[i];
         if (is_node(prop)) declare(flat, prop->as.node);
-        for (size_t k = 0; prop->type->kind == PROP_NODES && k < prop->as.list.n; k++) declare(flat, prop->as.list.nodes[k]);
+        for (size_t k = 0; prop->type->kind == PROP_NODES && k < prop->as.list.n; k++)
+            declare(flat, prop->as.list.nodes[k]);
     }
     if (node->prototype && !whole) {
         declare_origin(flat, node, node->type->flags & NODE_PLACED);
@@ -565,7 +585,8 @@ static void declare_needs(Flat *flat, const EvalNode *node, bool whole)
 static void declare_functions(Flat *flat, const EvalNode *node)
 {
     for (size_t i = 0; i < node->n_props; i++)
-        if (node->props[i].type->kind == PROP_FUNCTION) (void)flat_function(&flat->functions, node->props[i].as.function);
+        if (node->props[i].type->kind == PROP_FUNCTION)
+            (void)flat_function(&flat->functions, node->props[i].as.function);
     for (size_t i = 0; !node->prototype && i < node->n_children; i++) declare_functions(flat, node->children[i]);
 }
 
@@ -595,7 +616,8 @@ Status flat_print(const EvalResult *scene, const FlatOptions *options, Diag *dia
     for (size_t i = 0; i < scene->n_nodes; i++)
         if (scene->nodes[i]->type->flags & stands) collect(&flat, scene->nodes[i]);
     for (size_t i = 0; i < scene->n_nodes; i++) /* what only declares counts where it is referred to, if it is */
-        if (!(scene->nodes[i]->type->flags & stands) && !shared_find(&flat, scene->nodes[i])) collect(&flat, scene->nodes[i]);
+        if (!(scene->nodes[i]->type->flags & stands) && !shared_find(&flat, scene->nodes[i]))
+            collect(&flat, scene->nodes[i]);
     for (size_t i = 0; i < scene->n_nodes; i++) {
         Shared *shared = shared_find(&flat, scene->nodes[i]);
         if (shared) shared->stands = true;
@@ -603,12 +625,14 @@ Status flat_print(const EvalResult *scene, const FlatOptions *options, Diag *dia
     take_words(&flat);
     for (size_t i = 0; i < scene->n_nodes; i++) name_shared(&flat, scene->nodes[i]);
     buf_format(out, "meniscus 1.0 unit %s\n", unit_of_length(scene->unit_m));
-    for (size_t i = 0; i < scene->n_nodes && !flat.too_deep && !statements.failed; i++) print_top(&flat, scene->nodes[i]);
+    for (size_t i = 0; i < scene->n_nodes && !flat.too_deep && !statements.failed; i++)
+        print_top(&flat, scene->nodes[i]);
     buf_add_bytes(out, buf_text(&statements), statements.length);
     if (statements.failed) out->failed = true;
     buf_clear(&statements);
     if (out->failed) return fail(error, STATUS_NOMEM, "out of memory");
     if (flat.too_deep)
-        return fail(error, STATUS_SCENE, "nodes within nodes, deeper than %d levels: too deep for a text", DEEPEST_BLOCK);
+        return fail(error, STATUS_SCENE, "nodes within nodes, deeper than %d levels: too deep for a text",
+                    DEEPEST_BLOCK);
     return diag->n_errors > n_errors ? fail(error, STATUS_SCENE, "the scene has errors") : STATUS_OK;
 }

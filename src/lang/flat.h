@@ -7,14 +7,16 @@
 #include "lang/eval.h"
 
 typedef struct FlatOptions {
-    const EvalOptions *eval;      /* that the scene was evaluated with */
+    const EvalOptions *eval; /* that the scene was evaluated with */
     const SourceSet *sources;
-    const char *const *files;     /* properties that name files to read, which are written with their whole path; ends with NULL */
+    const char *const
+        *files; /* properties that name files to read, which are written with their whole path; ends with NULL */
 } FlatOptions;
 
 /* Appends the scene. It is a scene itself, and builds to the same: numbers are written so that they read back as the
  * same double, nodes that share something still do. Files that are not found are reported to diag. Memory is its
  * arena's, which must be guarded by the caller. STATUS_SCENE after reports. */
-ATTR_NODISCARD Status flat_print(const EvalResult *scene, const FlatOptions *options, Diag *diag, Buf *out, Error *error);
+ATTR_NODISCARD Status flat_print(const EvalResult *scene, const FlatOptions *options, Diag *diag, Buf *out,
+                                 Error *error);
 
 #endif

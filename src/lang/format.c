@@ -25,13 +25,13 @@ enum { LONGEST_ROW = 1000 }; /* items of a line that may be a row of a table: ea
 /* Small, as a text may have many millions. */
 typedef struct Item {
     uint32_t begin, end;
-    uint32_t line;     /* from 0, on which it begins */
-    uint32_t column;   /* from 0, in columns of a terminal */
-    uint32_t gap;      /* columns of blanks before it, within its line */
-    uint32_t placed;   /* the column that it is written in */
-    uint16_t breaks;   /* line breaks before it, MOST_BREAKS for more */
-    uint8_t kind;      /* TOKEN_..., ITEM_... */
-    bool starts;       /* a statement */
+    uint32_t line;   /* from 0, on which it begins */
+    uint32_t column; /* from 0, in columns of a terminal */
+    uint32_t gap;    /* columns of blanks before it, within its line */
+    uint32_t placed; /* the column that it is written in */
+    uint16_t breaks; /* line breaks before it, MOST_BREAKS for more */
+    uint8_t kind;    /* TOKEN_..., ITEM_... */
+    bool starts;     /* a statement */
 } Item;
 enum { MOST_BREAKS = 1000 };
 _Static_assert(ITEM_BLOCK_COMMENT <= UINT8_MAX, "kinds of items");
@@ -51,7 +51,10 @@ typedef struct Cutter {
 } Cutter;
 
 /* One byte, and one column. */
-static bool is_plain(char c) { return c >= ' ' && c <= '~'; }
+static bool is_plain(char c)
+{
+    return c >= ' ' && c <= '~';
+}
 
 static void move_to(Cutter *cutter, uint32_t end)
 {
@@ -157,13 +160,13 @@ static void mark_starts(ItemList *list, const File *file)
 
 typedef struct Bracket {
     int kind;
-    size_t indent;     /* of the line that it opens on */
-    size_t depth;      /* indentation of what stands within it */
+    size_t indent; /* of the line that it opens on */
+    size_t depth;  /* indentation of what stands within it */
     const Item *opener;
-    const Item *first; /* behind it on its line; NULL when the line ends there */
+    const Item *first;  /* behind it on its line; NULL when the line ends there */
     unsigned questions; /* '?' that wait for their ':' */
-    bool header;       /* of an if, for, while or let: what follows its end begins something */
-    bool broken;       /* a line break follows it */
+    bool header;        /* of an if, for, while or let: what follows its end begins something */
+    bool broken;        /* a line break follows it */
 } Bracket;
 
 typedef struct Layout {
@@ -173,18 +176,21 @@ typedef struct Layout {
     bool keeps_columns;
     Bracket *brackets;
     size_t n_brackets, capacity;
-    size_t line_indent;   /* of the present line */
-    size_t closed_indent; /* of the line that the bracket closed last opened on */
-    const Item *last;     /* the last one written; NULL at the start */
-    const Item *token;    /* the last token written */
-    bool value_ends;      /* the last token can end a value: what follows is a binary operator, an index, a call */
-    bool sign;            /* the last token is a sign, not an operator between two values */
-    size_t column;        /* where the present line ends */
+    size_t line_indent;       /* of the present line */
+    size_t closed_indent;     /* of the line that the bracket closed last opened on */
+    const Item *last;         /* the last one written; NULL at the start */
+    const Item *token;        /* the last token written */
+    bool value_ends;          /* the last token can end a value: what follows is a binary operator, an index, a call */
+    bool sign;                /* the last token is a sign, not an operator between two values */
+    size_t column;            /* where the present line ends */
     const size_t *line_items; /* the first item of each line, and one more */
     uint32_t n_lines;
 } Layout;
 
-static Bracket *innermost(Layout *layout) { return &layout->brackets[layout->n_brackets - 1]; }
+static Bracket *innermost(Layout *layout)
+{
+    return &layout->brackets[layout->n_brackets - 1];
+}
 
 static bool in_block(Layout *layout)
 {
@@ -192,7 +198,10 @@ static bool in_block(Layout *layout)
     return kind == TOKEN_BRACE_OPEN || kind == TOKEN_END;
 }
 
-static bool is_comment(const Item *item) { return item->kind >= TOKEN_COUNT; }
+static bool is_comment(const Item *item)
+{
+    return item->kind >= TOKEN_COUNT;
+}
 
 static bool closes(Layout *layout, const Item *item)
 {
@@ -251,7 +260,10 @@ static unsigned range_gap(const Layout *layout, const Item *left, const Item *ri
     return text[right->begin] == '.' || text[right->begin] == '<';
 }
 
-static bool is_range(const Item *item) { return item->kind == TOKEN_RANGE || item->kind == TOKEN_RANGE_OPEN; }
+static bool is_range(const Item *item)
+{
+    return item->kind == TOKEN_RANGE || item->kind == TOKEN_RANGE_OPEN;
+}
 
 /* Blanks between two items of one line; 2 between statements. */
 static unsigned rule_gap(Layout *layout, const Item *left, const Item *right)
@@ -343,7 +355,8 @@ static const Item *hangs_from(Layout *layout, const Item *item)
     const Bracket *bracket = innermost(layout);
     for (size_t i = layout->line_items[item->line - 1]; i < layout->line_items[item->line]; i++) {
         const Item *above = &layout->list->items[i];
-        if (above->column == item->column && !above->starts && (!bracket->opener || above > bracket->opener)) return above;
+        if (above->column == item->column && !above->starts && (!bracket->opener || above > bracket->opener))
+            return above;
     }
     return NULL;
 }
@@ -421,9 +434,15 @@ static void open_bracket(Layout *layout, const Item *item, bool header)
     /* a block behind arguments that took several lines belongs to the line where those began */
     bool behind_args = item->kind == TOKEN_BRACE_OPEN && layout->token && layout->token->kind == TOKEN_PAREN_CLOSE;
     size_t indent = behind_args ? layout->closed_indent : layout->line_indent;
-    Bracket bracket = {.kind = item->kind, .indent = indent, .depth = indent + INDENT,
-                       .opener = item, .first = last || broken ? NULL : item + 1, .header = header, .broken = broken};
-    if (ARRAY_ROOM(layout->brackets, layout->capacity, layout->n_brackets)) layout->brackets[layout->n_brackets++] = bracket;
+    Bracket bracket = {.kind = item->kind,
+                       .indent = indent,
+                       .depth = indent + INDENT,
+                       .opener = item,
+                       .first = last || broken ? NULL : item + 1,
+                       .header = header,
+                       .broken = broken};
+    if (ARRAY_ROOM(layout->brackets, layout->capacity, layout->n_brackets))
+        layout->brackets[layout->n_brackets++] = bracket;
 }
 
 static void write_token(Layout *layout, const Item *item)
@@ -497,7 +516,8 @@ static bool read_items(Stage *stage, const char *text, size_t length)
     Arena tree; /* only where statements begin is of interest */
     arena_init(&tree);
     tree.escape = diag->arena->escape;
-    File file = {.source = source_add(diag->sources, stage->name, NULL, text, length), .arena = &tree, .only_starts = true};
+    File file = {
+        .source = source_add(diag->sources, stage->name, NULL, text, length), .arena = &tree, .only_starts = true};
     uint32_t n_errors = diag->n_errors;
     parse_file(&file, true, 0, diag, stage->symbols);
     arena_clear(&tree);
@@ -590,7 +610,8 @@ Status format_text(const char *name, const char *text, size_t length, Diag *diag
     if (!read_items(&stage, text, length)) status = fail(error, STATUS_SCENE, "the scene has errors");
     if (status == STATUS_OK) status = settle(&stage, &laid_out, &laid_out_length, error);
     if (status == STATUS_OK && laid_out != text && !means_the_same(&stage, text, length, source, laid_out))
-        status = fail(error, STATUS_RENDER, "'%s' would not mean the same when laid out; this is a mistake of meniscus", name);
+        status = fail(error, STATUS_RENDER, "'%s' would not mean the same when laid out; this is a mistake of meniscus",
+                      name);
     if (status == STATUS_OK) buf_add_bytes(out, laid_out, laid_out_length);
     free(stage.list.items);
     return status;

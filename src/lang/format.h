@@ -11,6 +11,7 @@
 /* Appends the text laid out to *out. Formatting what was formatted changes nothing, and both texts have the same
  * tokens and comments. STATUS_SCENE with reports in diag (and nothing appended) when the text is not in the language.
  * name: for the reports. Memory is the arena's of diag, which must be guarded by the caller. */
-ATTR_NODISCARD Status format_text(const char *name, const char *text, size_t length, Diag *diag, Buf *out, Error *error);
+ATTR_NODISCARD Status format_text(const char *name, const char *text, size_t length, Diag *diag, Buf *out,
+                                  Error *error);
 
 #endif

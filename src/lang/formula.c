@@ -89,7 +89,8 @@ uint16_t form_register(Compiler *c, const Expr *expr, const Form *form, unsigned
 Form form_refused(Compiler *c, const Expr *expr, const char *what)
 {
     if (!c->failed) {
-        Diagnostic *report = eval_report(c->evaluator, D_WRONG_TYPE, expr->span, "%s cannot be worked out anew at each place", what);
+        Diagnostic *report =
+            eval_report(c->evaluator, D_WRONG_TYPE, expr->span, "%s cannot be worked out anew at each place", what);
         diag_hint(c->evaluator->diag, report,
                   "numbers, vectors and colours can; lists, strings and nodes must not depend on the place");
     }
@@ -236,7 +237,8 @@ static Form form_of_call(Compiler *c, Expr *expr)
 static Form form_of_let(Compiler *c, Expr *expr)
 {
     for (uint32_t i = 0; i < expr->as.let.bindings.n && !c->failed; i++) {
-        Form form = formula_expr(c, expr->as.let.bindings.items[i].value), *slot = formula_slot(c, expr->as.let.slots[i]);
+        Form form = formula_expr(c, expr->as.let.bindings.items[i].value),
+             *slot = formula_slot(c, expr->as.let.slots[i]);
         if (!slot) return form_refused(c, expr, "this name");
         *slot = form;
     }
@@ -308,8 +310,9 @@ static const Program *finish_program(Compiler *c, const Expr *body, const Form *
     bool color = result->kind == VALUE_COLOR;
     if (c->failed) return NULL;
     if (!color && result->kind != VALUE_NUMBER) {
-        Diagnostic *report = eval_report(c->evaluator, D_WRONG_TYPE, body->span, "'%s' gives %s, not a number or a colour",
-                                         c->function->def->name->text, form_describe(result));
+        Diagnostic *report =
+            eval_report(c->evaluator, D_WRONG_TYPE, body->span, "'%s' gives %s, not a number or a colour",
+                        c->function->def->name->text, form_describe(result));
         if (result->kind == VALUE_VECTOR3 && !result->list)
             diag_hint(c->evaluator->diag, report, "rgb(v) makes a colour of a vector");
         if (result->kind == VALUE_BOOL) diag_hint(c->evaluator->diag, report, "write: condition ? 1 : 0");
@@ -395,7 +398,8 @@ bool formula_evaluate(const EvalFunctionValue *function, const double inputs[PRO
     if (!find_roles(function, roles, kinds)) return false;
     for (uint32_t i = 0; i < function->def->n_formals; i++) {
         values[i] = (Value){.kind = roles[i] < 0 ? VALUE_UNSET : kinds[i]};
-        for (unsigned k = 0; roles[i] >= 0 && k < value_width(kinds[i]); k++) values[i].as.v[k] = inputs[roles[i] + (int)k];
+        for (unsigned k = 0; roles[i] >= 0 && k < value_width(kinds[i]); k++)
+            values[i].as.v[k] = inputs[roles[i] + (int)k];
     }
     if (!eval_call_function(function, values, &result)) return false;
     for (unsigned i = 0; i < PROGRAM_MOST_OUTPUTS; i++) outputs[i] = result.as.v[result.kind == VALUE_COLOR ? i : 0];

@@ -19,8 +19,8 @@ typedef struct Call {
 static Form wrong(const Call *call, uint32_t i, const char *wanted)
 {
     if (!call->c->failed)
-        eval_report(call->c->evaluator, D_WRONG_TYPE, call->expr->as.call.args.items[i].value->span, "'%s' takes %s, not %s",
-                    call->builtin->name, wanted, form_describe(&call->args[i]));
+        eval_report(call->c->evaluator, D_WRONG_TYPE, call->expr->as.call.args.items[i].value->span,
+                    "'%s' takes %s, not %s", call->builtin->name, wanted, form_describe(&call->args[i]));
     return form_failed(call->c);
 }
 
@@ -119,7 +119,8 @@ static Form extreme(const Call *call)
     if (over.args == call->args && !common_kind(call, &result.kind)) return form_failed(call->c);
     for (unsigned k = 0; k < value_width(result.kind); k++) {
         result.at[k] = at(call, &over.args[0], k);
-        for (uint32_t i = 1; i < over.n; i++) result.at[k] = step(call, op, result.at[k], at(call, &over.args[i], k), 0);
+        for (uint32_t i = 1; i < over.n; i++)
+            result.at[k] = step(call, op, result.at[k], at(call, &over.args[i], k), 0);
     }
     return result;
 }
@@ -145,7 +146,8 @@ static Form total(const Call *call)
     for (unsigned k = 0; k < width_of(&list->items[0]); k++) {
         result.at[k] = at(call, &list->items[0], k);
         for (size_t i = 1; i < list->n; i++) {
-            if (list->items[i].kind != result.kind) return wrong(call, 0, "a list of numbers, or of vectors of one size");
+            if (list->items[i].kind != result.kind)
+                return wrong(call, 0, "a list of numbers, or of vectors of one size");
             result.at[k] = step(call, op, result.at[k], at(call, &list->items[i], k), 0);
         }
     }
@@ -177,7 +179,8 @@ static bool vectors(const Call *call)
 static uint16_t dot_of(const Call *call, const uint16_t *a, const uint16_t *b, unsigned n)
 {
     uint16_t result = constant(call, 0);
-    for (unsigned i = 0; i < n; i++) result = step(call, PROGRAM_ADD, result, step(call, PROGRAM_MULTIPLY, a[i], b[i], 0), 0);
+    for (unsigned i = 0; i < n; i++)
+        result = step(call, PROGRAM_ADD, result, step(call, PROGRAM_MULTIPLY, a[i], b[i], 0), 0);
     return result;
 }
 
@@ -204,7 +207,8 @@ static Form of_vectors(const Call *call)
     if (n != 3) return wrong(call, 0, "two vectors of 3"); /* cross */
     for (unsigned i = 0; i < 3; i++) {
         unsigned j = (i + 1) % 3, k = (i + 2) % 3;
-        uint16_t first = step(call, PROGRAM_MULTIPLY, a[j], b[k], 0), second = step(call, PROGRAM_MULTIPLY, a[k], b[j], 0);
+        uint16_t first = step(call, PROGRAM_MULTIPLY, a[j], b[k], 0),
+                 second = step(call, PROGRAM_MULTIPLY, a[k], b[j], 0);
         result.at[i] = step(call, PROGRAM_SUBTRACT, first, second, 0);
     }
     return result;
@@ -326,11 +330,31 @@ static const struct {
     const char *name;
     Form (*make)(const Call *call);
 } makers[] = {
-    {"atan2", two_numbers}, {"pow", two_numbers},  {"mod", two_numbers},   {"min", extreme},       {"max", extreme},
-    {"clamp", three},       {"mix", three},        {"smoothstep", three},  {"length", of_vectors}, {"distance", of_vectors},
-    {"normalize", of_vectors}, {"dot", of_vectors}, {"cross", of_vectors}, {"sum", total},         {"product", total},
-    {"reverse", reversed},  {"vec2", row},         {"vec3", row},          {"vec4", row},          {"rgb", row},
-    {"srgb", srgb},         {"hsv", of_hues},      {"hsl", of_hues},       {"rnd", rnd},           {"noise", noise},
+    {"atan2", two_numbers},
+    {"pow", two_numbers},
+    {"mod", two_numbers},
+    {"min", extreme},
+    {"max", extreme},
+    {"clamp", three},
+    {"mix", three},
+    {"smoothstep", three},
+    {"length", of_vectors},
+    {"distance", of_vectors},
+    {"normalize", of_vectors},
+    {"dot", of_vectors},
+    {"cross", of_vectors},
+    {"sum", total},
+    {"product", total},
+    {"reverse", reversed},
+    {"vec2", row},
+    {"vec3", row},
+    {"vec4", row},
+    {"rgb", row},
+    {"srgb", srgb},
+    {"hsv", of_hues},
+    {"hsl", of_hues},
+    {"rnd", rnd},
+    {"noise", noise},
 };
 
 Form form_of_builtin(Compiler *c, Expr *expr)

@@ -84,7 +84,8 @@ static Form compare(Compiler *c, Expr *expr)
     }
     bool strict = expr->kind == EXPR_LESS || expr->kind == EXPR_GREATER;
     bool swapped = expr->kind == EXPR_GREATER || expr->kind == EXPR_GREATER_EQUAL;
-    return truth(formula_step(c, expr, strict ? PROGRAM_LESS : PROGRAM_LESS_EQUAL, swapped ? y : x, swapped ? x : y, 0));
+    return truth(
+        formula_step(c, expr, strict ? PROGRAM_LESS : PROGRAM_LESS_EQUAL, swapped ? y : x, swapped ? x : y, 0));
 }
 
 static bool is_truth(Compiler *c, const Expr *expr, const Form *form)
@@ -125,7 +126,8 @@ static Form condition(Compiler *c, Expr *expr)
     Form yes = formula_expr(c, expr->as.op.b), no = formula_expr(c, expr->as.op.c);
     if (c->failed) return form_failed(c);
     bool truths = yes.kind == VALUE_BOOL && no.kind == VALUE_BOOL;
-    bool grey = (yes.kind == VALUE_NUMBER && no.kind == VALUE_COLOR) || (yes.kind == VALUE_COLOR && no.kind == VALUE_NUMBER);
+    bool grey =
+        (yes.kind == VALUE_NUMBER && no.kind == VALUE_COLOR) || (yes.kind == VALUE_COLOR && no.kind == VALUE_NUMBER);
     if (!truths && !grey && !(has_width(&yes) && yes.kind == no.kind)) {
         eval_report(c->evaluator, D_WRONG_TYPE, expr->span, "this is %s or %s, as the place has it: both must be alike",
                     form_describe(&yes), form_describe(&no));

@@ -16,7 +16,7 @@ typedef struct FormList FormList;
 /* A value while a function is compiled. */
 typedef struct Form {
     ValueKind kind;
-    bool known;           /* value is it; else it is in registers */
+    bool known; /* value is it; else it is in registers */
     Value value;
     uint16_t at[4];       /* a number or truth: the first */
     const FormList *list; /* of elements that are not all known; kind VALUE_LIST */

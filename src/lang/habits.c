@@ -344,7 +344,8 @@ const char *habit_file(const char *text)
     for (size_t i = 0; i < COUNT_OF(file_rows); i++)
         for (const char *at = file_rows[i].word; *at; at += strspn(at, " ")) {
             size_t n = strcspn(at, " ");
-            bool whole = strncmp(text, at, n) == 0 && (strchr(" \t\r\n\"", text[n]) || strchr("<{", *at)); /* or the 0 */
+            bool whole =
+                strncmp(text, at, n) == 0 && (strchr(" \t\r\n\"", text[n]) || strchr("<{", *at)); /* or the 0 */
             if (whole) return file_rows[i].text;
             at += n;
         }

@@ -34,9 +34,9 @@ typedef struct Token {
     double number;        /* TOKEN_NUMBER as written, before its unit */
     const UnitType *unit; /* NULL when there is none */
     union {
-        Symbol *symbol;    /* TOKEN_NAME and keywords */
-        const char *text;  /* TOKEN_STRING */
-        uint32_t rgb;      /* TOKEN_COLOR, 0xrrggbb */
+        Symbol *symbol;   /* TOKEN_NAME and keywords */
+        const char *text; /* TOKEN_STRING */
+        uint32_t rgb;     /* TOKEN_COLOR, 0xrrggbb */
     } as;
 } Token;
 
@@ -62,19 +62,19 @@ void lexer_skip_blanks(Lexer *lexer);
 bool lexer_plain_number(Lexer *lexer, double *number, const UnitType **unit);
 
 const UnitType *unit_of(const char *text, size_t length); /* NULL when there is no such unit */
-const UnitType *unit_at(size_t index);                      /* NULL behind the last */
+const UnitType *unit_at(size_t index);                    /* NULL behind the last */
 /* The number at the start of text, which is of that unit, in metres per scene unit of unit_m (lengths), degrees, seconds or
  * kelvin: the double that is nearest to it. */
 double unit_value(const char *text, size_t length, const UnitType *unit, double unit_m);
-const char *unit_list(Arena *arena, PropUnit measure);      /* "nm um mm ..."; UNIT_ANY: all */
-const char *unit_of_length(double size_m);                    /* "mm" for .001; NULL when there is none */
-const char *token_text(TokenKind kind);                   /* "'{'", "a name", "'while'" */
+const char *unit_list(Arena *arena, PropUnit measure); /* "nm um mm ..."; UNIT_ANY: all */
+const char *unit_of_length(double size_m);             /* "mm" for .001; NULL when there is none */
+const char *token_text(TokenKind kind);                /* "'{'", "a name", "'while'" */
 /* The words that are no names, by their number; NULL beyond the last. */
 typedef struct KeywordType {
     const char *word, *example;
 } KeywordType;
 const KeywordType *keyword_at(size_t index);
-const char *unit_measure_text(PropUnit measure);          /* "a length" */
+const char *unit_measure_text(PropUnit measure); /* "a length" */
 /* What the numbers of a scene are in whose unit is unit_m, as "cm" or "deg"; NULL: nothing says so. */
 const char *unit_of_measure(PropUnit measure, double unit_m);
 /* A value as text with the unit behind each number, as -D takes it: "<10mm, 2mm>", "5mm..60mm". NULL: without. */

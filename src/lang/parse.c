@@ -161,8 +161,9 @@ static SymbolUse use_of_value(const Expr *value)
 {
     if (value->kind == EXPR_NODE) return SYMBOL_NODE;
     const Expr *callee = value->kind == EXPR_CALL ? value->as.call.callee : NULL;
-    bool transform = callee && callee->kind == EXPR_NAME &&
-                     habit_is_one_of("rotate translate scale matrix transform inverse align", callee->as.name.symbol->text);
+    bool transform =
+        callee && callee->kind == EXPR_NAME &&
+        habit_is_one_of("rotate translate scale matrix transform inverse align", callee->as.name.symbol->text);
     return transform ? SYMBOL_TRANSFORM : SYMBOL_FREE;
 }
 
@@ -191,7 +192,8 @@ static Stmt *parse_bind(Parser *parser)
     if (parse_no_value(parser, "'=' behind the name", whole)) return NULL;
     if (!expect(parser, TOKEN_ASSIGN, "behind the name") && starts_value(parser)) parser->panic = false;
     Expr *arrow = parse_arrow_function(parser, stmt->as.bind.name->text, true);
-    stmt->as.bind.value = arrow ? arrow : parse_whole_value(parser); /* poison after a mistake: it is declared all the same */
+    stmt->as.bind.value =
+        arrow ? arrow : parse_whole_value(parser); /* poison after a mistake: it is declared all the same */
     SymbolUse use = use_of_value(stmt->as.bind.value);
     if (use != SYMBOL_FREE) stmt->as.bind.name->declared = use;
     return stmt;

@@ -563,8 +563,7 @@ Expr *parse_unary(Parser *parser)
         expr->span = span_from(parser, begin);
     } else {
         expr = parse_post(parser);
-        if (consume_if(parser, TOKEN_CARET))
-            expr = binary_expr(parser, EXPR_POWER, expr, parse_unary(parser));
+        if (consume_if(parser, TOKEN_CARET)) expr = binary_expr(parser, EXPR_POWER, expr, parse_unary(parser));
     }
     leave(parser);
     return expr;
@@ -750,7 +749,8 @@ Expr *parse_expression(uint32_t source, double unit_m, Diag *diag, SymbolTable *
     if (!parser.panic && parser.token.kind != TOKEN_END) {
         bool comma = parser.token.kind == TOKEN_COMMA; /* pos=1,2,3 */
         Diagnostic *report = expected_error(&parser, "the end of the expression");
-        if (report && comma) diag_hint(diag, report, "a vector stands in '<' and '>', in quotes for the shell: 'pos=<1, 2, 3>'");
+        if (report && comma)
+            diag_hint(diag, report, "a vector stands in '<' and '>', in quotes for the shell: 'pos=<1, 2, 3>'");
     }
     return parser.panic ? poison_expr(&parser) : expr;
 }

@@ -779,7 +779,8 @@ void parse_names_together(Parser *parser, const Symbol *first)
 
 bool parse_no_value(Parser *parser, const char *expected, const char *hint)
 {
-    if (parser->panic || parser->token.kind == TOKEN_ASSIGN || !is_behind_statement(parser, &parser->token)) return false;
+    if (parser->panic || parser->token.kind == TOKEN_ASSIGN || !is_behind_statement(parser, &parser->token))
+        return false;
     hint_write(parser, expected_error(parser, expected), hint);
     parser->panic = false;
     calm_down(parser);

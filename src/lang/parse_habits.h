@@ -9,11 +9,11 @@
 /* -- statements (parse_habits.c) -- */
 bool parse_value_habit(Parser *parser); /* a value where a statement should begin */
 bool parse_comma_habit(Parser *parser);
-bool parse_name_habit(Parser *parser, Path path);  /* behind a path that nothing of the grammar follows */
-bool parse_lone_word(Parser *parser, Path path);   /* "break", behind it */
-void parse_two_names(Parser *parser, Path path);   /* behind the first, at the second; no '{' follows */
-bool parse_function_habit(Parser *parser, Path path); /* "f(x) = ...", at the '=' */
-void parse_member_change(Parser *parser, Path path); /* "a.x := 5", behind the path */
+bool parse_name_habit(Parser *parser, Path path);           /* behind a path that nothing of the grammar follows */
+bool parse_lone_word(Parser *parser, Path path);            /* "break", behind it */
+void parse_two_names(Parser *parser, Path path);            /* behind the first, at the second; no '{' follows */
+bool parse_function_habit(Parser *parser, Path path);       /* "f(x) = ...", at the '=' */
+void parse_member_change(Parser *parser, Path path);        /* "a.x := 5", behind the path */
 void parse_unquoted_file(Parser *parser, const char *word); /* behind 'use' or 'include', where a string should stand */
 /* let a, b = 1, 2 at the comma, behind the first name */
 void parse_names_together(Parser *parser, const Symbol *first);
@@ -25,7 +25,7 @@ void parse_result_type(Parser *parser, const char *head);
 
 /* -- blocks (parse_habits_block.c) -- */
 bool parse_block_habit(Parser *parser, Path path); /* a block that is POV-Ray's, at its '{' */
-bool parse_brace_habit(Parser *parser); /* a block without anything in front of it, or a '{' too many */
+bool parse_brace_habit(Parser *parser);            /* a block without anything in front of it, or a '{' too many */
 /* Behind the head of a def of that text, without '=' or '{'; reports: that has not been said. NULL: it was a block. */
 Expr *parse_bodiless_def(Parser *parser, const char *head, bool reports);
 /* Behind 'if (...)' and the like, where the '{' is missing: the block up to its '}' or 'end', or one statement. */
@@ -35,9 +35,9 @@ bool lacks_opening_brace(Parser *parser); /* whether there is a '}' too many up 
 void block_without_opening(Parser *parser, const char *node);
 
 /* -- loops and choices (parse_habits_flow.c) -- */
-bool parse_foreach(Parser *parser); /* at a word: "foreach" is taken for a 'for', which is then the next token */
-bool parse_do_loop(Parser *parser); /* at a word */
-bool parse_switch(Parser *parser);  /* at a word */
+bool parse_foreach(Parser *parser);       /* at a word: "foreach" is taken for a 'for', which is then the next token */
+bool parse_do_loop(Parser *parser);       /* at a word */
+bool parse_switch(Parser *parser);        /* at a word */
 bool parse_counting_loop(Parser *parser); /* behind the '(' of 'for' */
 void parse_loop_type(Parser *parser);     /* at what stands there otherwise: "int i" */
 void parse_loop_step(Parser *parser);     /* behind a range: "step 2" */
@@ -51,17 +51,18 @@ void parse_three_points(Parser *parser, const Expr *first); /* at the '..' behin
 /* -- expressions (parse_habits_expr.c) -- */
 bool parse_color_habit(Parser *parser, const char *word);            /* behind the word */
 bool parse_array_habit(Parser *parser, const char *word, Span span); /* behind the word */
-bool parse_vector_comparison(Parser *parser); /* at a '>' behind an element of a vector, which may end it */
-bool parse_operator_habit(Parser *parser, Span operand);             /* at what stands behind it */
+bool parse_vector_comparison(Parser *parser);            /* at a '>' behind an element of a vector, which may end it */
+bool parse_operator_habit(Parser *parser, Span operand); /* at what stands behind it */
 Expr *parse_braced_body(Parser *parser, const Def *def); /* a value in a def's braces; NULL: there are statements */
 Expr *parse_names_and_value(Parser *parser, const char *head); /* lets and a value in braces, of a def of that head */
 void parse_if_value(Parser *parser); /* "if (a) b else c" where a value should stand, at the 'if' */
 void parse_else_of_element(Parser *parser, const Expr *element); /* the same in a list, at the 'else' */
-Expr *parse_bare_let(Parser *parser, Span begin); /* a let without brackets, behind the word; NULL: it is none */
-void parse_apart_unit(Parser *parser, Span number);      /* at a name behind the number */
-void parse_vector_unit(Parser *parser); /* at a name behind a vector */
+Expr *parse_bare_let(Parser *parser, Span begin);   /* a let without brackets, behind the word; NULL: it is none */
+void parse_apart_unit(Parser *parser, Span number); /* at a name behind the number */
+void parse_vector_unit(Parser *parser);             /* at a name behind a vector */
 bool parse_percent_habit(Parser *parser, const Expr *number); /* at what stands behind a factor */
-/* "x -> x * 2" and "def(x) = x * 2" where the value of a declaration or of a property should stand: read to its end, and poison; NULL: it is none */
+/* "x -> x * 2" and "def(x) = x * 2" where the value of a declaration or of a property should stand: read to its end, and poison;
+ * NULL: it is none */
 Expr *parse_arrow_function(Parser *parser, const char *name, bool declared);
 Expr *parse_whole_value(Parser *parser); /* of a statement, with "1 if a else 2", and "7 // 2", which is warned of */
 

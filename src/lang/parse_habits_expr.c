@@ -249,8 +249,8 @@ Expr *parse_bare_let(Parser *parser, Span begin)
     consume(parser);
     uint32_t value = parser->token.begin;
     arg->value = parse_expr(parser);
-    const char *binding = arena_format(parser->arena, "let (%s = %s)", arg->name->text,
-                                       quote(parser, value, consumed_end(parser)));
+    const char *binding =
+        arena_format(parser->arena, "let (%s = %s)", arg->name->text, quote(parser, value, consumed_end(parser)));
     if (parser->panic || !consume_if(parser, TOKEN_IN)) {
         if (!parser->panic) hint_write(parser, report, arena_format(parser->arena, "%s ...", binding));
         expr->as.let.body = arg->value;

@@ -77,8 +77,8 @@ bool parse_do_loop(Parser *parser)
         skip_brackets(parser);
         condition = quote(parser, begin, consumed_end(parser) - 1);
     }
-    diag_hint(parser->diag, report, "write: while (%s%s%s) { ... }, which is asked before each turn", until ? "not (" : "",
-              condition, until ? ")" : "");
+    diag_hint(parser->diag, report, "write: while (%s%s%s) { ... }, which is asked before each turn",
+              until ? "not (" : "", condition, until ? ")" : "");
     return true;
 }
 
@@ -138,8 +138,9 @@ bool parse_counting_loop(Parser *parser)
                             quote(parser, tokens[0].begin, tokens[to - 1].end),
                             last_and_step(parser, tokens + to + 1, n - to - 1));
     if (n > 4 && tokens[0].kind == TOKEN_BRACKET_OPEN && tokens[2].kind == TOKEN_COLON) /* i = [0:5] */
-        hint = arena_format(parser->arena, "for (%s in %s..%s) { ... }", variable,
-                            quote(parser, tokens[1].begin, tokens[1].end), quote(parser, tokens[3].begin, tokens[3].end));
+        hint =
+            arena_format(parser->arena, "for (%s in %s..%s) { ... }", variable,
+                         quote(parser, tokens[1].begin, tokens[1].end), quote(parser, tokens[3].begin, tokens[3].end));
     if (n_semicolons == 2 && a > 0 && b > a + 3 &&
         (tokens[a + 2].kind == TOKEN_LESS || tokens[a + 2].kind == TOKEN_LESS_EQUAL))
         hint = arena_format(
@@ -243,7 +244,8 @@ bool parse_switch(Parser *parser)
     uint32_t begin = parser->token.end;
     skip_brackets(parser);
     const char *subject = quote(parser, begin, consumed_end(parser) - 1);
-    diag_hint(parser->diag, report, "write: if (%s == 1) { ... } else if (%s == 2) { ... } else { ... }", subject, subject);
+    diag_hint(parser->diag, report, "write: if (%s == 1) { ... } else if (%s == 2) { ... } else { ... }", subject,
+              subject);
     if (parser->token.kind == TOKEN_BRACE_OPEN) skip_brackets(parser);
     return true;
 }

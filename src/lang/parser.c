@@ -189,8 +189,7 @@ bool expect_close(Parser *parser, TokenKind kind, Span opening, const char *expe
         parser_report(parser, D_UNCLOSED_BRACKET, (Span){parser->lexer.source, end, end},
                       arena_format(parser->arena, "expected %s, found %s", expected, found_text(parser)));
     diag_note(parser->diag, report, opening, "to close this");
-    if (kind == TOKEN_GREATER && begins_comparison(parser->token.kind))
-        diag_hint(parser->diag, report, WITHIN_VECTOR);
+    if (kind == TOKEN_GREATER && begins_comparison(parser->token.kind)) diag_hint(parser->diag, report, WITHIN_VECTOR);
     return false;
 }
 

@@ -113,8 +113,8 @@ void scope_end(Resolver *resolver)
 
 static void report_again(Resolver *resolver, const Binding *old, Span span)
 {
-    Diagnostic *report = diag_report(resolver->diag, D_DUPLICATE_NAME, span, "'%s' is declared twice in this block",
-                                     old->symbol->text);
+    Diagnostic *report =
+        diag_report(resolver->diag, D_DUPLICATE_NAME, span, "'%s' is declared twice in this block", old->symbol->text);
     if (old->has_span) diag_note(resolver->diag, report, old->span, "first declared here");
     diag_hint(resolver->diag, report, "take another name: media, objects, values and functions share them");
 }
@@ -126,8 +126,14 @@ static Binding *scope_bind(Resolver *resolver, Symbol *symbol, BindingKind kind,
     bool again = old && old->scope == resolver->scope;
     if (again) old->used = true;
     Binding *binding = ARENA_NEW(resolver->arena, Binding);
-    *binding = (Binding){.shadowed = old, .next_in_scope = resolver->scope->bindings, .scope = resolver->scope,
-                         .symbol = symbol, .kind = kind, .has_span = true, .span = span, .level = resolver->level,
+    *binding = (Binding){.shadowed = old,
+                         .next_in_scope = resolver->scope->bindings,
+                         .scope = resolver->scope,
+                         .symbol = symbol,
+                         .kind = kind,
+                         .has_span = true,
+                         .span = span,
+                         .level = resolver->level,
                          .used = again};
     resolver->scope->bindings = binding;
     symbol->binding = binding;
@@ -331,8 +337,8 @@ static void report_free_property(Resolver *resolver, const Stmt *stmt)
         diag_hint(resolver->diag, report, "a name that changes is declared by var %s = ..., and changed by %s := ...",
                   name, name);
     else if (binding && binding->constant)
-        diag_hint(resolver->diag, report, "'%s' does not change; declare it by var %s = ..., and change it by %s := ...", name,
-                  name, name);
+        diag_hint(resolver->diag, report,
+                  "'%s' does not change; declare it by var %s = ..., and change it by %s := ...", name, name, name);
     else if (resolver->call)
         diag_hint(resolver->diag, report, "a macro takes it as an argument, if it has one for it: %s(%s = ...)",
                   resolver->call->as.call.path.names[resolver->call->as.call.path.n - 1]->text, name);
@@ -542,7 +548,8 @@ static void warn_of_empty_range(Resolver *resolver, const Expr *range)
     if (range->kind != EXPR_RANGE || range->as.op.c || !is_number(range->as.op.a, &first) ||
         !is_number(range->as.op.b, &last) || first <= last)
         return;
-    Diagnostic *report = diag_report(resolver->diag, D_EMPTY_RANGE, range->span, "a range from %g up to %g is empty", first, last);
+    Diagnostic *report =
+        diag_report(resolver->diag, D_EMPTY_RANGE, range->span, "a range from %g up to %g is empty", first, last);
     diag_hint(resolver->diag, report, "write: %g..%g by -1", first, last);
 }
 
@@ -634,8 +641,13 @@ static void resolve_defaults(Resolver *resolver, Stmt *stmt)
     resolve_node(resolver, node, true);
     Symbol *symbol = defaults_symbol(resolver, node_type);
     Binding *binding = ARENA_NEW(resolver->arena, Binding);
-    *binding = (Binding){.shadowed = symbol->binding, .next_in_scope = resolver->scope->bindings, .scope = resolver->scope,
-                         .symbol = symbol, .kind = BINDING_SLOT, .level = resolver->level, .used = true};
+    *binding = (Binding){.shadowed = symbol->binding,
+                         .next_in_scope = resolver->scope->bindings,
+                         .scope = resolver->scope,
+                         .symbol = symbol,
+                         .kind = BINDING_SLOT,
+                         .level = resolver->level,
+                         .used = true};
     binding->index = new_slot(resolver);
     resolver->scope->bindings = binding;
     symbol->binding = binding;
@@ -694,11 +706,9 @@ static void report_rivals(Resolver *resolver, const Stmt *stmt, const File *file
         if (known) continue;
         const char *text = stmt->as.import.text;
         const char *other = resolver->diag->sources->sources[old->span.source].text + old->span.begin;
-        Diagnostic *report =
-            diag_report(resolver->diag, D_DUPLICATE_NAME, stmt->as.import.text_span,
-                        "\"%s\" declares %s, and so does %.*s", text,
-                        list_rivals(resolver, file, old->from, resolver->arena),
-                        (int)(old->span.end - old->span.begin), other);
+        Diagnostic *report = diag_report(
+            resolver->diag, D_DUPLICATE_NAME, stmt->as.import.text_span, "\"%s\" declares %s, and so does %.*s", text,
+            list_rivals(resolver, file, old->from, resolver->arena), (int)(old->span.end - old->span.begin), other);
         diag_note(resolver->diag, report, old->span, "which is used here");
         const char *name = module_name(resolver, text);
         diag_hint(resolver->diag, report, "give it a name: use \"%s\" as %s, and write %s.%s", text, name, name,
@@ -749,7 +759,8 @@ static void resolve_kids(Resolver *resolver, Stmt *stmt)
         diag_report(resolver->diag, D_MISPLACED, stmt->span, "children() outside of a macro");
         stmt->kind = STMT_EMPTY;
     } else if (stmt->as.kids.n) {
-        diag_report(resolver->diag, D_WRONG_ARGUMENT, stmt->as.kids.items[0].value->span, "children() takes no arguments");
+        diag_report(resolver->diag, D_WRONG_ARGUMENT, stmt->as.kids.items[0].value->span,
+                    "children() takes no arguments");
     } else {
         resolver->def->calls_children = true;
     }

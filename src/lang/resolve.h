@@ -12,7 +12,7 @@ typedef struct Scope Scope;
 
 /* One declaration while names are resolved. */
 struct Binding {
-    Binding *shadowed;      /* what the symbol meant before */
+    Binding *shadowed; /* what the symbol meant before */
     Binding *next_in_scope;
     const Scope *scope;
     Symbol *symbol;
@@ -20,14 +20,14 @@ struct Binding {
     bool has_span, variable, used, warns;
     bool constant; /* declared by let */
     bool param;
-    bool poison;   /* by a statement that was wrong: whatever uses it is silent */
+    bool poison; /* by a statement that was wrong: whatever uses it is silent */
     Span span;
-    uint32_t level, index;  /* BINDING_SLOT */
+    uint32_t level, index; /* BINDING_SLOT */
     Def *def;
     File *module;
     const NodeType *declares; /* as a NodeExpr does */
-    const File *from; /* that a use without a name brought it from; NULL: declared here */
-    Stmt *import;     /* that brought it: by its name, or one of its names; NULL: declared here */
+    const File *from;         /* that a use without a name brought it from; NULL: declared here */
+    Stmt *import;             /* that brought it: by its name, or one of its names; NULL: declared here */
 };
 
 /* Which slots the predeclared names have: the first of the globals. */
@@ -54,23 +54,23 @@ typedef struct Resolver {
     const Schema *schema;
     const double *srgb_to_working; /* 9, or NULL for the identity */
     Scope *scope;
-    uint32_t level;         /* how many defs around */
-    uint32_t n_slots;       /* of the def being resolved */
+    uint32_t level;   /* how many defs around */
+    uint32_t n_slots; /* of the def being resolved */
     uint32_t n_globals;
-    Def *def;               /* the innermost macro or function */
+    Def *def; /* the innermost macro or function */
     NodeContext context;
     const NodeType *context_type; /* CONTEXT_NODE: NULL when it is not known before running */
     NodeExpr *context_node;       /* CONTEXT_NODE: the node around the statement */
-    const PropType *word_prop;    /* the property whose value is resolved, where it takes words of a choice; else NULL */
-    bool for_texture;             /* what is resolved is the value of a property that takes textures */
-    const Stmt *call;       /* the call of a macro in whose block it is; NULL: in none */
-    Symbol **defaults;      /* by row of the schema: the name of the slot of a type's defaults; NULL until there are any */
+    const PropType *word_prop; /* the property whose value is resolved, where it takes words of a choice; else NULL */
+    bool for_texture;          /* what is resolved is the value of a property that takes textures */
+    const Stmt *call;          /* the call of a macro in whose block it is; NULL: in none */
+    Symbol **defaults; /* by row of the schema: the name of the slot of a type's defaults; NULL until there are any */
     const struct EvalLibrary *library; /* files of the program, for hints; NULL: none */
-    bool warns_unused;      /* of names at the top of the present file */
-    bool library_itself;    /* it only declares, for others */
-    Expr **late;            /* expressions that see all that the scene declares at its top (--set) */
+    bool warns_unused;                 /* of names at the top of the present file */
+    bool library_itself;               /* it only declares, for others */
+    Expr **late;                       /* expressions that see all that the scene declares at its top (--set) */
     size_t n_late;
-    unsigned n_unchanged;   /* statements that were to change something, and were refused */
+    unsigned n_unchanged; /* statements that were to change something, and were refused */
 } Resolver;
 
 void resolver_init(Resolver *resolver, Diag *diag, SymbolTable *symbols, const Schema *schema,

@@ -51,7 +51,8 @@ static const char *declaration(const EvalLibraryFile *file, const char *keyword,
     size_t first = strlen(keyword), second = strlen(name);
     for (const char *at = file->text; at; at = strchr(at, '\n')) {
         at += *at == '\n';
-        if (strncmp(at, keyword, first) != 0 || at[first] != ' ' || strncmp(at + first + 1, name, second) != 0) continue;
+        if (strncmp(at, keyword, first) != 0 || at[first] != ' ' || strncmp(at + first + 1, name, second) != 0)
+            continue;
         const char *behind = at + first + 1 + second;
         if (*behind == ' ' || *behind == '(') return behind;
     }
@@ -292,8 +293,9 @@ static const PropType *choice_with(const Resolver *resolver, const char *word)
 
 static void hint_at_word(Resolver *resolver, Diagnostic *report, const PropType *prop, const char *word)
 {
-    diag_hint(resolver->diag, report, "write: \"%s\"; the words of a choice stand without quotes only right behind '=', %s = %s",
-              word, prop->name, word);
+    diag_hint(resolver->diag, report,
+              "write: \"%s\"; the words of a choice stand without quotes only right behind '=', %s = %s", word,
+              prop->name, word);
 }
 
 static void resolve_name(Resolver *resolver, Expr *expr)
@@ -402,7 +404,8 @@ static bool report_no_module(Resolver *resolver, const Expr *expr)
 void hint_at_reading(Diag *diag, Diagnostic *report, const char *property)
 {
     diag_hint(diag, report,
-              "properties are not read: give the value a name before, let %s = ..., and use that in both places", property);
+              "properties are not read: give the value a name before, let %s = ..., and use that in both places",
+              property);
 }
 
 static bool is_property(const Schema *schema, const char *name)
@@ -448,7 +451,8 @@ static Expr *resolve_member(Resolver *resolver, Expr *expr)
         Diagnostic *report =
             diag_report(resolver->diag, D_UNKNOWN_NAME, expr->as.member.name_span, "'.%s' is no component", name->text);
         if (habit_is_one_of("length size count", name->text))
-            diag_hint(resolver->diag, report, "how many elements there are is len(list), how long a vector is length(v)");
+            diag_hint(resolver->diag, report,
+                      "how many elements there are is len(list), how long a vector is length(v)");
         else if (is_property(resolver->schema, name->text))
             hint_at_reading(resolver->diag, report, name->text);
         else
@@ -513,7 +517,8 @@ static void report_no_function(Resolver *resolver, const Expr *callee, const Bin
         Diagnostic *report =
             diag_report(resolver->diag, D_UNKNOWN_FUNCTION, callee->span, "'%s' is no function", symbol->text);
         if (binding->has_span) diag_note(resolver->diag, report, binding->span, "declared here");
-        if (symbol->declared == SYMBOL_TRANSFORM) diag_hint(resolver->diag, report, "write: transform(%s)", symbol->text);
+        if (symbol->declared == SYMBOL_TRANSFORM)
+            diag_hint(resolver->diag, report, "write: transform(%s)", symbol->text);
         return;
     }
     Diagnostic *report =
@@ -722,7 +727,8 @@ static void report_no_node(Resolver *resolver, const NodeExpr *node)
     Diagnostic *report =
         diag_report(resolver->diag, D_UNKNOWN_NODE, node->path.span, "unknown node '%s'", symbol->text);
     /* what is a pattern there may be something else where objects stand */
-    const char *pattern = resolver->for_texture ? habit_node(arena_format(resolver->arena, "%s_pattern", symbol->text)) : NULL;
+    const char *pattern =
+        resolver->for_texture ? habit_node(arena_format(resolver->arena, "%s_pattern", symbol->text)) : NULL;
     if (note_later_declaration(resolver, report, symbol)) return;
     if (pattern)
         diag_hint(resolver->diag, report, "%s", pattern);

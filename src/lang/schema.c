@@ -105,12 +105,14 @@ static const char *advice_for_set(Arena *arena, const char *advice)
     size_t length = strcspn(word, "(");
     for (size_t i = 0; i < COUNT_OF(ways); i++)
         if (strlen(ways[i].transform) == length && strncmp(word, ways[i].transform, length) == 0)
-            return arena_format(arena, "--set sets no transforms; write in the scene: param %s, in the node: %s, and set it by -D %s",
-                                ways[i].param, ways[i].call, ways[i].define);
+            return arena_format(
+                arena, "--set sets no transforms; write in the scene: param %s, in the node: %s, and set it by -D %s",
+                ways[i].param, ways[i].call, ways[i].define);
     return NULL;
 }
 
-void report_unknown_property(Diag *diag, Span span, const NodeType *type, const char *name, const Expr *value, bool by_set)
+void report_unknown_property(Diag *diag, Span span, const NodeType *type, const char *name, const Expr *value,
+                             bool by_set)
 {
     const char **words = ARENA_ARRAY(diag->arena, const char *, type->n_props);
     for (size_t i = 0; i < type->n_props; i++) words[i] = type->props[i].name;
@@ -165,7 +167,8 @@ static const char *plain_kind_text(Arena *arena, const PropType *type)
     case PROP_RAMP: return "a list of numbers or colours, or of [position, number or colour]";
     case PROP_NODES: break;
     }
-    return type->choices ? arena_format(arena, "a list of %s nodes", choice_text(arena, type->choices)) : "a list of nodes";
+    return type->choices ? arena_format(arena, "a list of %s nodes", choice_text(arena, type->choices))
+                         : "a list of nodes";
 }
 
 const char *prop_kind_text(Arena *arena, const PropType *type)
@@ -254,7 +257,8 @@ static void hint_texture(const Check *check, const Value *value, Diagnostic *rep
     bool is_texture = value->kind == VALUE_NODE && value->as.node->type->flags & NODE_TEXTURE;
     if (!owner || (!is_texture && value->kind != VALUE_VECTOR3)) return;
     const char *pattern = habit_pattern(owner->name, check->type->name);
-    const char *texture = is_texture ? arena_format(diag->arena, "%s { ... }", value->as.node->type->name) : "<x, y, z>";
+    const char *texture =
+        is_texture ? arena_format(diag->arena, "%s { ... }", value->as.node->type->name) : "<x, y, z>";
     if (pattern) diag_hint(diag, report, "%s", habit_fill(diag->arena, pattern, texture));
 }
 
@@ -382,9 +386,10 @@ static bool wrong_type(const Check *check, const Value *value)
     const char *found = value_describe(arena, value), *kind = prop_kind_text(arena, check->type),
                *name = check->type->name;
     Diagnostic *report =
-        check->element ? eval_error(check->evaluator, check->expr, D_WRONG_TYPE, "'%s' wants %s, but element %zu is %s", name,
-                                    kind, check->element - 1, found)
-                       : eval_error(check->evaluator, check->expr, D_WRONG_TYPE, "'%s' wants %s, not %s", name, kind, found);
+        check->element
+            ? eval_error(check->evaluator, check->expr, D_WRONG_TYPE, "'%s' wants %s, but element %zu is %s", name,
+                         kind, check->element - 1, found)
+            : eval_error(check->evaluator, check->expr, D_WRONG_TYPE, "'%s' wants %s, not %s", name, kind, found);
     hint_form(check, value, report);
     return false;
 }
@@ -462,7 +467,8 @@ static bool check_numbers(const Check *check, const double *numbers, size_t n)
 {
     const PropType *type = check->type;
     for (size_t i = 0; i < n; i++) {
-        if (number_allowed(type, numbers[i]) && (type->kind != PROP_INTEGER || numbers[i] == floor(numbers[i]))) continue;
+        if (number_allowed(type, numbers[i]) && (type->kind != PROP_INTEGER || numbers[i] == floor(numbers[i])))
+            continue;
         Arena *arena = check->evaluator->arena;
         const char *text = refused_text(arena, type, numbers[i]);
         if (!isfinite(numbers[i]))
@@ -472,7 +478,8 @@ static bool check_numbers(const Check *check, const double *numbers, size_t n)
                        eval_error(check->evaluator, check->expr, D_VALUE_OUT_OF_RANGE, "%s %s %s", type->name, text,
                                   schema_bounds_text(arena, type)));
         else
-            eval_error(check->evaluator, check->expr, D_WRONG_TYPE, "'%s' wants a whole number, not %s", type->name, text);
+            eval_error(check->evaluator, check->expr, D_WRONG_TYPE, "'%s' wants a whole number, not %s", type->name,
+                       text);
         return false;
     }
     if (n > 0) warn_of_unlikely(check, numbers, n);
@@ -489,8 +496,8 @@ static bool check_quotient(const Check *check, Expr *expr)
     bool over = a->kind == EXPR_CONSTANT && !a->as.constant.unit && b->kind == EXPR_CONSTANT && b->as.constant.unit;
     if (!over || wanted == UNIT_NONE || wanted == UNIT_PER_LENGTH || wanted == UNIT_ANY) return true;
     const UnitType *unit = b->as.constant.unit;
-    Diagnostic *report = eval_error(check->evaluator, expr, D_WRONG_UNIT, "'%s' is %s, not 1 over %s", check->type->name,
-                                    unit_measure_text(wanted), unit_measure_text(unit->measure));
+    Diagnostic *report = eval_error(check->evaluator, expr, D_WRONG_UNIT, "'%s' is %s, not 1 over %s",
+                                    check->type->name, unit_measure_text(wanted), unit_measure_text(unit->measure));
     if (unit->measure == wanted)
         diag_hint(check->evaluator->diag, report, "write: %s%s / %.*s",
                   eval_written(check->evaluator, a->span, 16, "\n", "1"), unit->name,
@@ -567,7 +574,8 @@ static bool check_spectrum(const Check *check, const Value *value, EvalProp *pro
         return true;
     }
     PropKind kind = check->type->kind;
-    if (kind == PROP_TERM || (width != 1 && (width != 3 || kind == PROP_NUMBER_OR_TERM))) return wrong_type(check, value);
+    if (kind == PROP_TERM || (width != 1 && (width != 3 || kind == PROP_NUMBER_OR_TERM)))
+        return wrong_type(check, value);
     prop->as.spectrum.form = value->kind == VALUE_NUMBER  ? SPECTRUM_NUMBER
                              : value->kind == VALUE_COLOR ? SPECTRUM_COLOR
                                                           : SPECTRUM_VECTOR;
@@ -598,7 +606,7 @@ static bool check_number_list(const Check *check, const Value *value, EvalProp *
         return check_numbers(check, prop->as.list.numbers, n * width);
     }
     if (!eval_reserve(check->evaluator, (double)n * width * sizeof(double), check->expr->span)) return false;
-    double *numbers = ARENA_ARRAY(check->evaluator->arena, double, n * width);
+    double *numbers = ARENA_ARRAY(check->evaluator->arena, double, n *width);
     for (size_t i = 0; i < n; i++) {
         if (!eval_step(check->evaluator, check->expr->span)) return false;
         Value item = single ? *value : value_element(value, i);
@@ -637,7 +645,7 @@ static bool check_number_lists(const Check *check, const Value *value, EvalProp 
         n += lengths[i];
     }
     if (!eval_reserve(evaluator, (double)n * width * sizeof(double), check->expr->span)) return false;
-    double *numbers = ARENA_ARRAY(evaluator->arena, double, n * width);
+    double *numbers = ARENA_ARRAY(evaluator->arena, double, n *width);
     prop->as.list.n = n;
     prop->as.list.numbers = numbers;
     prop->as.list.n_lists = n_lists;
@@ -685,7 +693,8 @@ static bool check_ramp(const Check *check, const Value *value, EvalProp *prop)
         bool color = false;
         element.element = i + 1;
         if (item.kind == VALUE_POISON) return false;
-        if (!check_stop(&element, &item, n > 1 ? (double)i / (double)(n - 1) : 0, numbers + 4 * i, &color)) return false;
+        if (!check_stop(&element, &item, n > 1 ? (double)i / (double)(n - 1) : 0, numbers + 4 * i, &color))
+            return false;
         n_colors += color;
         n_placed += item.kind == VALUE_LIST;
         if (n_placed != 0 && n_placed != i + 1) return wrong_type(&element, &item);
@@ -820,7 +829,8 @@ static bool texture_of_function(const Check *check, EvalProp *prop)
     const EvalFunctionValue *function = type ? eval_capture(evaluator, check->expr, true) : NULL;
     if (!function) return false;
     EvalNode *node = ARENA_NEW(evaluator->arena, EvalNode);
-    *node = (EvalNode){.type = type, .span = check->expr->span, .transform = affine_identity(), .n_props = 1, .depth = 1};
+    *node =
+        (EvalNode){.type = type, .span = check->expr->span, .transform = affine_identity(), .n_props = 1, .depth = 1};
     node->props = ARENA_NEW(evaluator->arena, EvalProp);
     *node->props = (EvalProp){.type = &type->props[0], .span = check->expr->span, .as.function = function};
     prop->textured = true;

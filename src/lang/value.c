@@ -10,17 +10,20 @@
 const char *value_kind_text(ValueKind kind)
 {
     static const char *const texts[] = {
-        [VALUE_UNSET] = "nothing yet",        [VALUE_POISON] = "a mistake",        [VALUE_NONE] = "none",
-        [VALUE_NUMBER] = "a number",          [VALUE_BOOL] = "true or false",      [VALUE_STRING] = "a string",
-        [VALUE_VECTOR2] = "a vector of 2",    [VALUE_VECTOR3] = "a vector of 3",   [VALUE_VECTOR4] = "a vector of 4",
-        [VALUE_COLOR] = "a colour",           [VALUE_TRANSFORM] = "a transform",   [VALUE_LIST] = "a list",
-        [VALUE_RANGE] = "a range",            [VALUE_NODE] = "a node",             [VALUE_TERM] = "a term",
+        [VALUE_UNSET] = "nothing yet",     [VALUE_POISON] = "a mistake",      [VALUE_NONE] = "none",
+        [VALUE_NUMBER] = "a number",       [VALUE_BOOL] = "true or false",    [VALUE_STRING] = "a string",
+        [VALUE_VECTOR2] = "a vector of 2", [VALUE_VECTOR3] = "a vector of 3", [VALUE_VECTOR4] = "a vector of 4",
+        [VALUE_COLOR] = "a colour",        [VALUE_TRANSFORM] = "a transform", [VALUE_LIST] = "a list",
+        [VALUE_RANGE] = "a range",         [VALUE_NODE] = "a node",           [VALUE_TERM] = "a term",
         [VALUE_RECORD] = "a record",
     };
     return texts[kind];
 }
 
-static bool starts_with_vowel(const char *word) { return *word && strchr("aeiou", *word); }
+static bool starts_with_vowel(const char *word)
+{
+    return *word && strchr("aeiou", *word);
+}
 
 const char *value_describe(Arena *arena, const Value *value)
 {
@@ -42,8 +45,7 @@ size_t value_count(const Value *value)
 
 Value value_element(const Value *value, size_t index)
 {
-    if (value->kind == VALUE_RANGE)
-        return value_number(value->as.range.first + (double)index * value->as.range.step);
+    if (value->kind == VALUE_RANGE) return value_number(value->as.range.first + (double)index * value->as.range.step);
     const List *list = value->as.list;
     if (list->element == VALUE_NONE) return list->items[index];
     Value element = {.kind = list->element};
@@ -159,8 +161,10 @@ bool list_join(Arena *arena, const List *a, const List *b, Value *both)
 static const RecordType record_types[RECORD_COUNT] = {
     [RECORD_HIT] = {"hit", 3, {{"point", VALUE_VECTOR3}, {"normal", VALUE_VECTOR3}, {"distance", VALUE_NUMBER}}},
     [RECORD_PLACE] = {"scatter", 2, {{"point", VALUE_VECTOR3}, {"normal", VALUE_VECTOR3}}},
-    [RECORD_BOUNDS] = {"bounds", 4,
-                       {{"min", VALUE_VECTOR3}, {"max", VALUE_VECTOR3}, {"center", VALUE_VECTOR3}, {"size", VALUE_VECTOR3}}},
+    [RECORD_BOUNDS] =
+        {"bounds",
+         4,
+         {{"min", VALUE_VECTOR3}, {"max", VALUE_VECTOR3}, {"center", VALUE_VECTOR3}, {"size", VALUE_VECTOR3}}},
 };
 
 static size_t record_width(const RecordType *type)
@@ -225,7 +229,8 @@ static bool equal_affine(const Affine *a, const Affine *b)
 static bool equal_terms(const EvalTerm *a, const EvalTerm *b)
 {
     if (a->type != b->type || a->n_args != b->n_args || !equal_numbers(a->args, b->args, a->n_args)) return false;
-    if (a->scale != b->scale || a->n_pairs != b->n_pairs || !equal_numbers(a->pairs, b->pairs, 2 * a->n_pairs)) return false;
+    if (a->scale != b->scale || a->n_pairs != b->n_pairs || !equal_numbers(a->pairs, b->pairs, 2 * a->n_pairs))
+        return false;
     return a->text == b->text || (a->text && b->text && strcmp(a->text, b->text) == 0);
 }
 
@@ -244,7 +249,8 @@ static bool equal_lists(const Value *a, const Value *b)
 
 bool value_equal(const Value *a, const Value *b)
 {
-    bool sequences = (a->kind == VALUE_LIST || a->kind == VALUE_RANGE) && (b->kind == VALUE_LIST || b->kind == VALUE_RANGE);
+    bool sequences =
+        (a->kind == VALUE_LIST || a->kind == VALUE_RANGE) && (b->kind == VALUE_LIST || b->kind == VALUE_RANGE);
     if (sequences) return equal_lists(a, b);
     if (a->kind != b->kind) return false;
     switch (a->kind) {

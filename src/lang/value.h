@@ -79,11 +79,26 @@ struct List {
     struct ListRoom *room; /* where they lie, with room for more; NULL: as many as there are */
 };
 
-static inline Value value_number(double x) { return (Value){.kind = VALUE_NUMBER, .as.number = x}; }
-static inline Value value_truth(bool x) { return (Value){.kind = VALUE_BOOL, .as.truth = x}; }
-static inline Value value_text(const char *x) { return (Value){.kind = VALUE_STRING, .as.text = x}; }
-static inline Value value_poison(void) { return (Value){.kind = VALUE_POISON}; }
-static inline Value value_none(void) { return (Value){.kind = VALUE_NONE}; }
+static inline Value value_number(double x)
+{
+    return (Value){.kind = VALUE_NUMBER, .as.number = x};
+}
+static inline Value value_truth(bool x)
+{
+    return (Value){.kind = VALUE_BOOL, .as.truth = x};
+}
+static inline Value value_text(const char *x)
+{
+    return (Value){.kind = VALUE_STRING, .as.text = x};
+}
+static inline Value value_poison(void)
+{
+    return (Value){.kind = VALUE_POISON};
+}
+static inline Value value_none(void)
+{
+    return (Value){.kind = VALUE_NONE};
+}
 static inline Value value_vector3(double x, double y, double z)
 {
     return (Value){.kind = VALUE_VECTOR3, .as.v = {x, y, z, 0}};
@@ -104,7 +119,10 @@ static inline unsigned value_width(ValueKind kind)
     default: return 0;
     }
 }
-static inline ValueKind value_vector_kind(unsigned width) { return (ValueKind)(VALUE_VECTOR2 + (int)width - 2); }
+static inline ValueKind value_vector_kind(unsigned width)
+{
+    return (ValueKind)(VALUE_VECTOR2 + (int)width - 2);
+}
 
 /* "a number", "a vector of 3", "a sphere" for messages */
 const char *value_kind_text(ValueKind kind);

@@ -150,11 +150,11 @@ static Status check_box(const double from[3], const double to[3], double bevel, 
     static const char names[] = "xyz";
     for (int axis = 0; axis < 3; axis++) {
         if (!(fabs(from[axis]) <= 1e15) || !(fabs(to[axis]) <= 1e15))
-            return fail(error, STATUS_SCENE, "the box's corners are not within +-1e15: %c goes from %g to %g", names[axis],
-                        from[axis], to[axis]);
+            return fail(error, STATUS_SCENE, "the box's corners are not within +-1e15: %c goes from %g to %g",
+                        names[axis], from[axis], to[axis]);
         if ((float)from[axis] == (float)to[axis])
-            return fail(error, STATUS_SCENE, "the box has no extent in %c: it goes from %g to %g", names[axis], from[axis],
-                        to[axis]);
+            return fail(error, STATUS_SCENE, "the box has no extent in %c: it goes from %g to %g", names[axis],
+                        from[axis], to[axis]);
         double side = fabs(to[axis] - from[axis]);
         if (!(bevel >= 0) || bevel > 0.5 * side * (1 + 1e-12)) /* half of a side that was rounded is still half */
             return fail(error, STATUS_SCENE, "the bevel %g is not within 0..%g, half of the box's extent in %c", bevel,
@@ -208,13 +208,17 @@ Status mesh_make_box(Vec3 from, Vec3 to, double bevel, unsigned segments, Mesh *
     maker.ideal = malloc(n_vertices * sizeof *maker.ideal);
     Status status = maker.ideal ? STATUS_OK : fail_memory(error, n_vertices * sizeof *maker.ideal, "a box");
     if (status == STATUS_OK) {
-        if (bevel > 0) make_bevelled_box(&maker);
-        else make_plain_box(&maker);
+        if (bevel > 0)
+            make_bevelled_box(&maker);
+        else
+            make_plain_box(&maker);
         drop_shrunk_triangles(maker.mesh);
         status = mesh_weld(maker.mesh, NULL, error);
     }
     free(maker.ideal);
-    if (status == STATUS_OK) *mesh = maker.mesh;
-    else mesh_free(maker.mesh);
+    if (status == STATUS_OK)
+        *mesh = maker.mesh;
+    else
+        mesh_free(maker.mesh);
     return status;
 }

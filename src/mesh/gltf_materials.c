@@ -77,6 +77,5 @@ static void list_material(const Gltf *gltf, const json_t *material, MeshSource *
 void gltf_list_materials(const Gltf *gltf, MeshSource *source)
 {
     const json_t *materials = json_object_get(gltf->root, "materials");
-    for (size_t i = 0; i < json_array_size(materials); i++)
-        list_material(gltf, json_array_get(materials, i), source);
+    for (size_t i = 0; i < json_array_size(materials); i++) list_material(gltf, json_array_get(materials, i), source);
 }

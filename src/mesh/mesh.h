@@ -18,7 +18,7 @@ typedef struct Mesh {
     uint32_t n_vertices;
     uint32_t (*triangles)[3];
     uint32_t n_triangles;
-    bool distinct; /* it is known that no two vertices stand at one place */
+    bool distinct;         /* it is known that no two vertices stand at one place */
     uint32_t grid_columns; /* of a grid of heights, whose cells are cut along the diagonal that is less steep; else 0 */
 } Mesh;
 

@@ -14,7 +14,8 @@ typedef struct MeshPart {
 
 /* What a file says that parts of it are made of. Nothing of it is taken, and it is kept only to be told. */
 typedef struct MeshMaterial {
-    char *name; /* "": it has none; owned by the source, as what it is said to be: "base colour 0.8 0.1 0.1, index 1.5" */
+    char *
+        name; /* "": it has none; owned by the source, as what it is said to be: "base colour 0.8 0.1 0.1, index 1.5" */
     char *said;
 } MeshMaterial;
 

@@ -17,9 +17,9 @@ static const struct {
     const char *statement, *what;
     int n;
 } rows[] = {
-    {"Kd", "base colour", 3}, {"map_Kd", "picture", A_FILE}, {"Ni", "index", 1},
-    {"d", "opacity", 1},      {"Tr", "transparency", 1},     {"Tf", "filter", 3},
-    {"Ke", "emission", 3},    {"Pm", "metal", 1},            {"Pr", "roughness", 1},
+    {"Kd", "base colour", 3},  {"map_Kd", "picture", A_FILE}, {"Ni", "index", 1},    {"d", "opacity", 1},
+    {"Tr", "transparency", 1}, {"Tf", "filter", 3},           {"Ke", "emission", 3}, {"Pm", "metal", 1},
+    {"Pr", "roughness", 1},
 };
 
 typedef struct Line {
@@ -102,8 +102,8 @@ void mesh_list_mtl(const char *obj_path, const char *name, MeshSource *source)
     Buf path = {0};
     size_t length = 0;
     buf_format(&path, "%s%s", folder ? folder : "", name);
-    bool there = folder && !path.failed && file_kind(buf_text(&path)) == FILE_REGULAR &&
-                 file_lies_in(buf_text(&path), folder);
+    bool there =
+        folder && !path.failed && file_kind(buf_text(&path)) == FILE_REGULAR && file_lies_in(buf_text(&path), folder);
     if (there && file_read(buf_text(&path), largest_library, &bytes, &length, &unused) == STATUS_OK)
         read_lines(bytes, length, source);
     free(bytes);

@@ -37,7 +37,7 @@ typedef struct Obj {
     size_t n_normals, normal_capacity;
     struct {
         float u, v;
-    } *uvs;
+    } * uvs;
     size_t n_uvs, uv_capacity;
     ObjCorner *corners; /* three per triangle */
     size_t n_corners, corner_capacity;
@@ -60,7 +60,9 @@ static void skip_blanks(Obj *obj)
     for (;;) {
         while (at_blank(obj)) obj->at++;
         size_t left = (size_t)(obj->end - obj->at);
-        size_t n = left >= 2 && memcmp(obj->at, "\\\n", 2) == 0 ? 2 : left >= 3 && memcmp(obj->at, "\\\r\n", 3) == 0 ? 3 : 0;
+        size_t n = left >= 2 && memcmp(obj->at, "\\\n", 2) == 0     ? 2
+                   : left >= 3 && memcmp(obj->at, "\\\r\n", 3) == 0 ? 3
+                                                                    : 0;
         if (n == 0) return;
         obj->at += n;
         obj->line++;
@@ -84,9 +86,10 @@ static Status bad_word(const Obj *obj, const char *wanted)
 {
     int shown = mesh_text_shown(obj->at, obj->end);
     if (shown == 0)
-        return fail(obj->error, STATUS_INPUT, "'%s':%u: the line ends where %s should be", obj->path, obj->line, wanted);
-    return fail(obj->error, STATUS_INPUT, "'%s':%u: '%.*s' stands where %s should be", obj->path, obj->line, shown, obj->at,
-                wanted);
+        return fail(obj->error, STATUS_INPUT, "'%s':%u: the line ends where %s should be", obj->path, obj->line,
+                    wanted);
+    return fail(obj->error, STATUS_INPUT, "'%s':%u: '%.*s' stands where %s should be", obj->path, obj->line, shown,
+                obj->at, wanted);
 }
 
 /* n floats, of which the last n - n_needed may be left out and are 0. */
@@ -111,7 +114,8 @@ static Status read_floats(Obj *obj, int n, int n_needed, float values[3])
 
 static Status too_many(const Obj *obj, const char *what)
 {
-    return fail(obj->error, STATUS_INPUT, "'%s':%u: more than %zu %s cannot be read", obj->path, obj->line, most_items, what);
+    return fail(obj->error, STATUS_INPUT, "'%s':%u: more than %zu %s cannot be read", obj->path, obj->line, most_items,
+                what);
 }
 
 static Status read_position(Obj *obj)
@@ -164,8 +168,8 @@ static Status read_number(Obj *obj, size_t n_so_far, uint32_t *number)
         return bad_word(obj, "a vertex number other than 0");
     }
     if (value > most_items || (negative && value > n_so_far))
-        return fail(obj->error, STATUS_INPUT, "'%s':%u: the vertex number %.*s is out of range; %zu were read so far", obj->path,
-                    obj->line, (int)(obj->at - start < 20 ? obj->at - start : 20), start, n_so_far);
+        return fail(obj->error, STATUS_INPUT, "'%s':%u: the vertex number %.*s is out of range; %zu were read so far",
+                    obj->path, obj->line, (int)(obj->at - start < 20 ? obj->at - start : 20), start, n_so_far);
     *number = (uint32_t)(negative ? n_so_far + 1 - value : value);
     return STATUS_OK;
 }
@@ -217,7 +221,8 @@ static Status read_face(Obj *obj)
         if (n == 0) first = corner;
         last = corner;
     }
-    if (n < 3) return fail(obj->error, STATUS_INPUT, "'%s':%u: a face has %zu corners; it needs 3", obj->path, obj->line, n);
+    if (n < 3)
+        return fail(obj->error, STATUS_INPUT, "'%s':%u: a face has %zu corners; it needs 3", obj->path, obj->line, n);
     return STATUS_OK;
 }
 
@@ -265,11 +270,16 @@ static Status read_lines(Obj *obj)
     for (int kind = 0; kind < N_PART_KINDS; kind++) obj->parts[kind] = UINT32_MAX;
     for (obj->line = 1; obj->at < obj->end; skip_line(obj)) {
         skip_blanks(obj);
-        if (keyword(obj, "v")) TRY(read_position(obj));
-        else if (keyword(obj, "vn")) TRY(read_normal(obj));
-        else if (keyword(obj, "vt")) TRY(read_uv(obj));
-        else if (keyword(obj, "f")) TRY(read_face(obj));
-        else if (keyword(obj, "mtllib")) read_library(obj);
+        if (keyword(obj, "v"))
+            TRY(read_position(obj));
+        else if (keyword(obj, "vn"))
+            TRY(read_normal(obj));
+        else if (keyword(obj, "vt"))
+            TRY(read_uv(obj));
+        else if (keyword(obj, "f"))
+            TRY(read_face(obj));
+        else if (keyword(obj, "mtllib"))
+            read_library(obj);
         else
             for (int kind = 0; kind < N_PART_KINDS; kind++)
                 if (keyword(obj, part_kinds[kind].statement)) TRY(read_part(obj, kind));
@@ -283,9 +293,11 @@ static Status read_lines(Obj *obj)
                                                          : NULL;
         if (!what) continue;
         size_t number = c.position > obj->n_positions ? c.position : c.uv > obj->n_uvs ? c.uv : c.normal;
-        size_t there = c.position > obj->n_positions ? obj->n_positions : c.uv > obj->n_uvs ? obj->n_uvs : obj->n_normals;
-        return fail(obj->error, STATUS_INPUT, "'%s':%u: a face uses %s %zu; there are %zu", obj->path, obj->lines[i / 3], what,
-                    number, there);
+        size_t there = c.position > obj->n_positions ? obj->n_positions
+                       : c.uv > obj->n_uvs           ? obj->n_uvs
+                                                     : obj->n_normals;
+        return fail(obj->error, STATUS_INPUT, "'%s':%u: a face uses %s %zu; there are %zu", obj->path,
+                    obj->lines[i / 3], what, number, there);
     }
     return STATUS_OK;
 }
@@ -309,13 +321,16 @@ static Status number_vertices(Obj *obj, ObjCorner **unique, size_t *n_unique)
     *n_unique = 0;
     for (size_t i = 0; i < obj->n_corners; i++) {
         ObjCorner corner = obj->corners[i];
-        size_t slot = (size_t)hash_u64(hash_u64(corner.position | (uint64_t)corner.uv << 32) ^ corner.normal) & (room - 1);
-        while (table[slot] && memcmp(&(*unique)[table[slot] - 1], &corner, sizeof corner) != 0) slot = (slot + 1) & (room - 1);
+        size_t slot =
+            (size_t)hash_u64(hash_u64(corner.position | (uint64_t)corner.uv << 32) ^ corner.normal) & (room - 1);
+        while (table[slot] && memcmp(&(*unique)[table[slot] - 1], &corner, sizeof corner) != 0)
+            slot = (slot + 1) & (room - 1);
         if (!table[slot]) {
             if (*n_unique >= most_items || !ARRAY_ROOM(*unique, capacity, *n_unique)) {
                 free(table);
-                return *n_unique >= most_items ? too_many(obj, "vertices")
-                                               : fail_memory(obj->error, *n_unique * 2 * sizeof corner, "the vertices of a mesh");
+                return *n_unique >= most_items
+                           ? too_many(obj, "vertices")
+                           : fail_memory(obj->error, *n_unique * 2 * sizeof corner, "the vertices of a mesh");
             }
             (*unique)[(*n_unique)++] = corner;
             table[slot] = (uint32_t)*n_unique;
@@ -333,7 +348,8 @@ static Status make_full_mesh(Obj *obj, Mesh **mesh)
     Mesh *made = NULL;
     Status status = number_vertices(obj, &unique, &n_unique);
     if (status == STATUS_OK)
-        status = mesh_new((uint32_t)n_unique, (uint32_t)obj->n_lines, obj->uses_normals, obj->uses_uvs, &made, obj->error);
+        status =
+            mesh_new((uint32_t)n_unique, (uint32_t)obj->n_lines, obj->uses_normals, obj->uses_uvs, &made, obj->error);
     for (size_t i = 0; status == STATUS_OK && i < n_unique; i++) {
         made->positions[i] = obj->positions[unique[i].position - 1];
         if (unique[i].normal) made->normals[i] = obj->normals[unique[i].normal - 1];
@@ -346,8 +362,10 @@ static Status make_full_mesh(Obj *obj, Mesh **mesh)
         made->triangles[i / 3][i % 3] = obj->corners[i].position - 1;
     if (status == STATUS_OK) status = mesh_normalize_normals(made, obj->error);
     free(unique);
-    if (status == STATUS_OK) *mesh = made;
-    else mesh_free(made);
+    if (status == STATUS_OK)
+        *mesh = made;
+    else
+        mesh_free(made);
     return status;
 }
 

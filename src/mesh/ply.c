@@ -30,9 +30,14 @@ static const struct {
 
 typedef enum PlyRole {
     ROLE_NONE = -1,
-    ROLE_X, ROLE_Y, ROLE_Z,
-    ROLE_NX, ROLE_NY, ROLE_NZ,
-    ROLE_U, ROLE_V,
+    ROLE_X,
+    ROLE_Y,
+    ROLE_Z,
+    ROLE_NX,
+    ROLE_NY,
+    ROLE_NZ,
+    ROLE_U,
+    ROLE_V,
     N_VERTEX_ROLES,
     ROLE_CORNERS
 } PlyRole;
@@ -41,9 +46,9 @@ static const struct {
     const char *name;
     PlyRole role;
 } vertex_roles[] = {
-    {"x", ROLE_X}, {"y", ROLE_Y}, {"z", ROLE_Z}, {"nx", ROLE_NX}, {"ny", ROLE_NY}, {"nz", ROLE_NZ},
-    {"u", ROLE_U}, {"v", ROLE_V}, {"s", ROLE_U}, {"t", ROLE_V}, {"texture_u", ROLE_U}, {"texture_v", ROLE_V},
-    {"texture_s", ROLE_U}, {"texture_t", ROLE_V},
+    {"x", ROLE_X},         {"y", ROLE_Y},         {"z", ROLE_Z},         {"nx", ROLE_NX},       {"ny", ROLE_NY},
+    {"nz", ROLE_NZ},       {"u", ROLE_U},         {"v", ROLE_V},         {"s", ROLE_U},         {"t", ROLE_V},
+    {"texture_u", ROLE_U}, {"texture_v", ROLE_V}, {"texture_s", ROLE_U}, {"texture_t", ROLE_V},
 };
 
 typedef struct PlyProperty {
@@ -110,10 +115,15 @@ static Status header_format(Ply *ply)
 {
     char word[MAX_WORD];
     header_word(ply, word);
-    if (strcmp(word, "ascii") == 0) ply->format = PLY_TEXT;
-    else if (strcmp(word, "binary_little_endian") == 0) ply->format = PLY_LITTLE;
-    else if (strcmp(word, "binary_big_endian") == 0) ply->format = PLY_BIG;
-    else return fail(ply->error, STATUS_INPUT, "'%s': the PLY header's format is '%s', which is unknown", ply->path, word);
+    if (strcmp(word, "ascii") == 0)
+        ply->format = PLY_TEXT;
+    else if (strcmp(word, "binary_little_endian") == 0)
+        ply->format = PLY_LITTLE;
+    else if (strcmp(word, "binary_big_endian") == 0)
+        ply->format = PLY_BIG;
+    else
+        return fail(ply->error, STATUS_INPUT, "'%s': the PLY header's format is '%s', which is unknown", ply->path,
+                    word);
     const uint16_t one = 1;
     bool machine_is_little = *(const unsigned char *)&one == 1;
     ply->swap = ply->format == (machine_is_little ? PLY_BIG : PLY_LITTLE);
@@ -123,7 +133,8 @@ static Status header_format(Ply *ply)
 static Status header_element(Ply *ply)
 {
     if (ply->n_elements == MAX_ELEMENTS)
-        return fail(ply->error, STATUS_INPUT, "'%s': the PLY header has more than %d elements", ply->path, MAX_ELEMENTS);
+        return fail(ply->error, STATUS_INPUT, "'%s': the PLY header has more than %d elements", ply->path,
+                    MAX_ELEMENTS);
     PlyElement *element = &ply->elements[ply->n_elements++];
     char count[MAX_WORD];
     header_word(ply, element->name);
@@ -140,11 +151,12 @@ static Status header_element(Ply *ply)
                     element->name, count);
     if (element->kind != PLY_OTHER && n >= UINT32_MAX)
         return fail(ply->error, STATUS_INPUT,
-                    "'%s': the PLY header promises %s of element '%s'; more than 4294967294 cannot be read", ply->path, count,
-                    element->name);
+                    "'%s': the PLY header promises %s of element '%s'; more than 4294967294 cannot be read", ply->path,
+                    count, element->name);
     for (uint32_t i = 0; i + 1 < ply->n_elements; i++)
         if (element->kind != PLY_OTHER && ply->elements[i].kind == element->kind)
-            return fail(ply->error, STATUS_INPUT, "'%s': the PLY header has element '%s' twice", ply->path, element->name);
+            return fail(ply->error, STATUS_INPUT, "'%s': the PLY header has element '%s' twice", ply->path,
+                        element->name);
     element->count = n;
     return STATUS_OK;
 }
@@ -152,9 +164,11 @@ static Status header_element(Ply *ply)
 static Status header_property(Ply *ply)
 {
     if (ply->n_elements == 0)
-        return fail(ply->error, STATUS_INPUT, "'%s': the PLY header has a property before the first element", ply->path);
+        return fail(ply->error, STATUS_INPUT, "'%s': the PLY header has a property before the first element",
+                    ply->path);
     if (ply->n_properties == MAX_PROPERTIES)
-        return fail(ply->error, STATUS_INPUT, "'%s': the PLY header has more than %d properties", ply->path, MAX_PROPERTIES);
+        return fail(ply->error, STATUS_INPUT, "'%s': the PLY header has more than %d properties", ply->path,
+                    MAX_PROPERTIES);
     PlyElement *element = &ply->elements[ply->n_elements - 1];
     PlyProperty *property = &ply->properties[ply->n_properties++];
     *property = (PlyProperty){PLY_NO_TYPE, PLY_NO_TYPE, ROLE_NONE};
@@ -168,22 +182,27 @@ static Status header_property(Ply *ply)
     }
     property->type = type_named(word);
     header_word(ply, name);
-    if (property->type == PLY_NO_TYPE || (list && (property->count_type == PLY_NO_TYPE || property->count_type >= PLY_F32)))
+    if (property->type == PLY_NO_TYPE ||
+        (list && (property->count_type == PLY_NO_TYPE || property->count_type >= PLY_F32)))
         return fail(ply->error, STATUS_INPUT,
-                    "'%s': property '%s' of element '%s' in the PLY header has an unknown type '%s%s%s'", ply->path, name, element->name, count_word, list ? " " : "", word);
+                    "'%s': property '%s' of element '%s' in the PLY header has an unknown type '%s%s%s'", ply->path,
+                    name, element->name, count_word, list ? " " : "", word);
     element->n++;
     element->has_lists |= list;
     element->least_size += ply_types[list ? property->count_type : property->type].size;
     for (size_t i = 0; !list && element->kind == PLY_VERTEX && i < COUNT_OF(vertex_roles); i++)
         if (strcmp(name, vertex_roles[i].name) == 0) property->role = vertex_roles[i].role;
-    if (list && element->kind == PLY_FACE && (strcmp(name, "vertex_indices") == 0 || strcmp(name, "vertex_index") == 0)) {
+    if (list && element->kind == PLY_FACE &&
+        (strcmp(name, "vertex_indices") == 0 || strcmp(name, "vertex_index") == 0)) {
         if (property->type >= PLY_F32)
-            return fail(ply->error, STATUS_INPUT, "'%s': the vertex numbers of faces are of type '%s'", ply->path, word);
+            return fail(ply->error, STATUS_INPUT, "'%s': the vertex numbers of faces are of type '%s'", ply->path,
+                        word);
         property->role = ROLE_CORNERS;
     }
     if (property->role == ROLE_NONE) return STATUS_OK;
     if (ply->roles >> property->role & 1)
-        return fail(ply->error, STATUS_INPUT, "'%s': the PLY header has two properties that mean '%s'", ply->path, name);
+        return fail(ply->error, STATUS_INPUT, "'%s': the PLY header has two properties that mean '%s'", ply->path,
+                    name);
     ply->roles |= UINT64_C(1) << property->role;
     return STATUS_OK;
 }
@@ -196,11 +215,16 @@ static Status read_header(Ply *ply)
         return fail(ply->error, STATUS_INPUT, "'%s' is not a PLY file; it does not start with 'ply'", ply->path);
     for (unsigned line = 2;; line++) {
         header_word(ply, word);
-        if (strcmp(word, "format") == 0) TRY(header_format(ply));
-        else if (strcmp(word, "element") == 0) TRY(header_element(ply));
-        else if (strcmp(word, "property") == 0) TRY(header_property(ply));
-        else if (strcmp(word, "end_header") != 0 && strcmp(word, "comment") != 0 && strcmp(word, "obj_info") != 0 && word[0])
-            return fail(ply->error, STATUS_INPUT, "'%s':%u: unknown word '%s' in the PLY header", ply->path, line, word);
+        if (strcmp(word, "format") == 0)
+            TRY(header_format(ply));
+        else if (strcmp(word, "element") == 0)
+            TRY(header_element(ply));
+        else if (strcmp(word, "property") == 0)
+            TRY(header_property(ply));
+        else if (strcmp(word, "end_header") != 0 && strcmp(word, "comment") != 0 && strcmp(word, "obj_info") != 0 &&
+                 word[0])
+            return fail(ply->error, STATUS_INPUT, "'%s':%u: unknown word '%s' in the PLY header", ply->path, line,
+                        word);
         bool more = next_line(ply);
         if (strcmp(word, "end_header") == 0) break;
         if (!more) return fail(ply->error, STATUS_INPUT, "'%s' ends inside its PLY header", ply->path);
@@ -231,7 +255,8 @@ static Status check_header(Ply *ply)
         uint64_t slack = ply->format == PLY_TEXT;
         if (least > 0 && element->count > (left + slack) / least)
             return fail(ply->error, STATUS_INPUT,
-                        "'%s': the PLY header promises %llu of element '%s', at least %llu bytes each, but only %llu bytes are left",
+                        "'%s': the PLY header promises %llu of element '%s', at least %llu bytes each, but only %llu "
+                        "bytes are left",
                         ply->path, (unsigned long long)element->count, element->name, (unsigned long long)least,
                         (unsigned long long)left);
         left -= least * element->count > left ? left : least * element->count;
@@ -241,7 +266,8 @@ static Status check_header(Ply *ply)
     if (!has_roles(ply, ROLE_X, ROLE_Z))
         return fail(ply->error, STATUS_INPUT, "'%s': the vertices in the PLY header lack one of x, y and z", ply->path);
     if (!(ply->roles >> ROLE_CORNERS & 1))
-        return fail(ply->error, STATUS_INPUT, "'%s': the faces in the PLY header have no list 'vertex_indices'", ply->path);
+        return fail(ply->error, STATUS_INPUT, "'%s': the faces in the PLY header have no list 'vertex_indices'",
+                    ply->path);
     bool normals = has_roles(ply, ROLE_NX, ROLE_NZ);
     bool uvs = has_roles(ply, ROLE_U, ROLE_V);
     TRY(mesh_new((uint32_t)ply->n_vertices, (uint32_t)n_faces, normals, uvs, &ply->mesh, ply->error));
@@ -372,7 +398,8 @@ static Status skip_element(Ply *ply, const PlyElement *element)
         return STATUS_OK;
     }
     for (uint64_t i = 0; i < element->count; i++)
-        for (uint32_t k = 0; k < element->n; k++) TRY(skip_property(ply, element, i, &ply->properties[element->first + k]));
+        for (uint32_t k = 0; k < element->n; k++)
+            TRY(skip_property(ply, element, i, &ply->properties[element->first + k]));
     return STATUS_OK;
 }
 
@@ -385,8 +412,8 @@ static Status store_vertex(Ply *ply, const PlyElement *element, uint64_t i, cons
         if (isfinite(kept[role])) continue;
         bool used = role <= ROLE_Z || (role <= ROLE_NZ ? mesh->normals != NULL : mesh->uvs != NULL);
         if (used)
-            return fail(ply->error, STATUS_INPUT, "'%s': vertex %llu of %llu has a coordinate that is not finite: %g", ply->path,
-                        (unsigned long long)i, (unsigned long long)element->count, values[role]);
+            return fail(ply->error, STATUS_INPUT, "'%s': vertex %llu of %llu has a coordinate that is not finite: %g",
+                        ply->path, (unsigned long long)i, (unsigned long long)element->count, values[role]);
     }
     mesh->positions[i] = vec3f(kept[ROLE_X], kept[ROLE_Y], kept[ROLE_Z]);
     if (mesh->normals) mesh->normals[i] = vec3f(kept[ROLE_NX], kept[ROLE_NY], kept[ROLE_NZ]);
@@ -403,8 +430,10 @@ static Status read_vertices(Ply *ply, const PlyElement *element)
     for (uint64_t i = 0; i < element->count; i++) {
         for (uint32_t k = 0; k < element->n; k++) {
             const PlyProperty *property = &ply->properties[element->first + k];
-            if (property->role == ROLE_NONE) TRY(skip_property(ply, element, i, property));
-            else TRY(next_value(ply, element, i, property->type, &values[property->role]));
+            if (property->role == ROLE_NONE)
+                TRY(skip_property(ply, element, i, property));
+            else
+                TRY(next_value(ply, element, i, property->type, &values[property->role]));
         }
         TRY(store_vertex(ply, element, i, values));
     }
@@ -416,7 +445,8 @@ static inline Status add_triangle(Ply *ply, uint32_t a, uint32_t b, uint32_t c)
     Mesh *mesh = ply->mesh;
     if (ply->n_triangles == UINT32_MAX - 1)
         return fail(ply->error, STATUS_INPUT, "'%s' has more than 4294967294 triangles", ply->path);
-    if (ply->n_triangles >= ply->triangle_capacity && !ARRAY_ROOM(mesh->triangles, ply->triangle_capacity, ply->n_triangles))
+    if (ply->n_triangles >= ply->triangle_capacity &&
+        !ARRAY_ROOM(mesh->triangles, ply->triangle_capacity, ply->n_triangles))
         return fail_memory(ply->error, ply->n_triangles * 2 * sizeof *mesh->triangles, "the triangles of a mesh");
     uint32_t *t = mesh->triangles[ply->n_triangles++];
     t[0] = a;
@@ -431,8 +461,9 @@ static Status read_polygon(Ply *ply, const PlyElement *element, uint64_t i, cons
     uint64_t n = 0;
     TRY(list_length(ply, element, i, property->count_type, &n));
     if (n < 3 || n > MAX_CORNERS)
-        return fail(ply->error, STATUS_INPUT, "'%s': face %llu of %llu has %llu corners; 3 to %d can be read", ply->path,
-                    (unsigned long long)i, (unsigned long long)element->count, (unsigned long long)n, MAX_CORNERS);
+        return fail(ply->error, STATUS_INPUT, "'%s': face %llu of %llu has %llu corners; 3 to %d can be read",
+                    ply->path, (unsigned long long)i, (unsigned long long)element->count, (unsigned long long)n,
+                    MAX_CORNERS);
     size_t size = ply_types[property->type].size;
     bool text = ply->format == PLY_TEXT;
     if (!text && (size_t)(ply->end - ply->at) < n * size) return ends_inside(ply, element, i);
@@ -446,8 +477,9 @@ static Status read_polygon(Ply *ply, const PlyElement *element, uint64_t i, cons
             ply->at += size;
         }
         if (UNLIKELY(!(value >= 0) || value >= (double)ply->n_vertices || (text && value != floor(value))))
-            return fail(ply->error, STATUS_INPUT, "'%s': face %llu of %llu uses vertex %.10g; there are %llu, from 0", ply->path,
-                        (unsigned long long)i, (unsigned long long)element->count, value, (unsigned long long)ply->n_vertices);
+            return fail(ply->error, STATUS_INPUT, "'%s': face %llu of %llu uses vertex %.10g; there are %llu, from 0",
+                        ply->path, (unsigned long long)i, (unsigned long long)element->count, value,
+                        (unsigned long long)ply->n_vertices);
         uint32_t vertex = (uint32_t)value;
         if (k >= 2) TRY(add_triangle(ply, first, last, vertex));
         if (k == 0) first = vertex;
@@ -461,8 +493,10 @@ static Status read_faces(Ply *ply, const PlyElement *element)
     for (uint64_t i = 0; i < element->count; i++)
         for (uint32_t k = 0; k < element->n; k++) {
             const PlyProperty *property = &ply->properties[element->first + k];
-            if (property->role == ROLE_CORNERS) TRY(read_polygon(ply, element, i, property));
-            else TRY(skip_property(ply, element, i, property));
+            if (property->role == ROLE_CORNERS)
+                TRY(read_polygon(ply, element, i, property));
+            else
+                TRY(skip_property(ply, element, i, property));
         }
     return STATUS_OK;
 }
@@ -490,7 +524,8 @@ static Status read_body(Ply *ply)
 
 Status mesh_load_ply(const char *path, MeshSource *source, Mesh **mesh, Error *error)
 {
-    if (source && source->part) return mesh_source_nothing(source, path, error); /* there is nothing to name parts with */
+    if (source && source->part)
+        return mesh_source_nothing(source, path, error); /* there is nothing to name parts with */
     char *bytes = NULL;
     size_t length = 0;
     TRY(file_read(path, 0, &bytes, &length, error));
@@ -506,8 +541,10 @@ Status mesh_load_ply(const char *path, MeshSource *source, Mesh **mesh, Error *e
     Status status = read_header(ply);
     if (status == STATUS_OK) status = check_header(ply);
     if (status == STATUS_OK) status = read_body(ply);
-    if (status == STATUS_OK) *mesh = ply->mesh;
-    else mesh_free(ply->mesh);
+    if (status == STATUS_OK)
+        *mesh = ply->mesh;
+    else
+        mesh_free(ply->mesh);
     free(ply);
     free(bytes);
     return status;

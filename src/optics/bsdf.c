@@ -561,8 +561,7 @@ static bool lobe_sample(const Bsdf *bsdf, const BsdfLobe *lobe, Vec3f view, floa
         return true;
     case BSDF_CONDUCTOR: return conductor_sample(&lobe->as.conductor, view, u, sample);
     case BSDF_PLASTIC: return plastic_sample(&lobe->as.plastic, view, seen_by(bsdf, lobe, view), u_choice, u, sample);
-    case BSDF_BOUNDARY:
-        return boundary_sample(&lobe->as.boundary, view, u_choice, u, sample);
+    case BSDF_BOUNDARY: return boundary_sample(&lobe->as.boundary, view, u_choice, u, sample);
     case BSDF_SHEET: return sheet_sample(&lobe->as.sheet, view, u_choice, u, sample);
     }
     return false;

@@ -12,8 +12,7 @@ void color_matching(float wavelength_nm, float xyz[3])
 {
     float fraction;
     int row = observer_row(wavelength_nm, SPECTRUM_STEP_NM, &fraction);
-    for (int k = 0; k < 3; k++)
-        xyz[k] = (1 - fraction) * observer_xyz[row][k] + fraction * observer_xyz[row + 1][k];
+    for (int k = 0; k < 3; k++) xyz[k] = (1 - fraction) * observer_xyz[row][k] + fraction * observer_xyz[row + 1][k];
 }
 
 Lanes white_at(Lanes wavelength_nm)
@@ -47,12 +46,14 @@ WavelengthSample wavelengths_sample(float u)
     for (int i = 0; i < LANES; i++) at[i] = &observer_wavelengths[(cell + i * quarter) & all];
     Lanes from = lanes(at[0][0], at[1][0], at[2][0], at[3][0]), to = lanes(at[0][1], at[1][1], at[2][1], at[3][1]);
     Lanes width = lanes_sub(to, from);
-    return (WavelengthSample){
-        .nm = lanes_add(from, lanes_mul(fraction, width)),
-        .pdf = lanes_div(lanes_all(1), lanes_scale(width, (float)OBSERVER_WAVELENGTH_CELLS))};
+    return (WavelengthSample){.nm = lanes_add(from, lanes_mul(fraction, width)),
+                              .pdf = lanes_div(lanes_all(1), lanes_scale(width, (float)OBSERVER_WAVELENGTH_CELLS))};
 }
 
-static Lanes observer_row_lanes(const float row[4]) { return lanes(row[0], row[1], row[2], row[3]); }
+static Lanes observer_row_lanes(const float row[4])
+{
+    return lanes(row[0], row[1], row[2], row[3]);
+}
 
 void color_from_lanes(Lanes radiance, const WavelengthSample *wavelengths, float rgb[3])
 {

@@ -46,8 +46,8 @@ static inline Vec3f microfacet_visible(float alpha_x, float alpha_y, Vec3f v, co
     float up = (1 - u[0]) * (1 + stretched.z); /* z of the sum; kept apart, as it may be small */
     float z = up - stretched.z, radius = sqrtf(float_max(1 - z * z, 0)), x, y;
     sampling_circle(u[1], &x, &y);
-    return vec3f_normalize(vec3f(alpha_x * (stretched.x + radius * x), alpha_y * (stretched.y + radius * y),
-                                 float_max(up, 1e-12f)));
+    return vec3f_normalize(
+        vec3f(alpha_x * (stretched.x + radius * x), alpha_y * (stretched.y + radius * y), float_max(up, 1e-12f)));
 }
 
 /* G2(v, l) / G1(v) of two directions given by |z| and s: reflected, transmitted. */

@@ -7,7 +7,7 @@
 #include "optics/spectrum.h"
 
 enum {
-    OBSERVER_WHITE_SAMPLES = 48,  /* 360 to 830 nm in steps of 10 */
+    OBSERVER_WHITE_SAMPLES = 48, /* 360 to 830 nm in steps of 10 */
     OBSERVER_WAVELENGTH_CELLS = 256,
     OBSERVER_NODES = 2 * (SPECTRUM_SAMPLES - 1) /* of the quadrature below */
 };

@@ -73,8 +73,8 @@ typedef struct Pattern {
 typedef struct PatternPlace {
     Vec3 p;
     Vec3 normal; /* of the surface, unit; zero: none. The mortar of a brick wall runs across the surface only */
-    double
-        footprint; /* what is smaller than this need not be resolved: a box of this width on the surface is averaged over */
+    /* what is smaller than this need not be resolved: a box of this width on the surface is averaged over */
+    double footprint;
 } PatternPlace;
 
 /* Of a footprint, which part of it has which value, 0..1; the parts add up to 1. What is continuous within a small

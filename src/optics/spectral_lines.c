@@ -20,8 +20,8 @@ enum { ROW_PARTS = 4 };
 /* The visible range in pieces, in each of which a light is linear. */
 typedef struct Pieces {
     uint32_t n;
-    float *from;            /* n + 1 */
-    double *seen;           /* n: how much of the lines is seen, per nm */
+    float *from;               /* n + 1 */
+    double *seen;              /* n: how much of the lines is seen, per nm */
     uint32_t first[CELLS + 1]; /* the first piece of each cell of the table behind wavelengths_sample */
 } Pieces;
 
@@ -63,7 +63,8 @@ static Status pieces_init(const LightOfScene *lights, size_t n, Pieces *pieces, 
         const SpectrumRows *rows = lights[i].spectrum->rows;
         for (uint32_t r = 0; r + 1 < rows->n; r++)
             for (int k = 0; k < ROW_PARTS; k++) {
-                float width = rows->row[r + 1].nm - rows->row[r].nm, nm = rows->row[r].nm + width * (float)k / ROW_PARTS;
+                float width = rows->row[r + 1].nm - rows->row[r].nm,
+                      nm = rows->row[r].nm + width * (float)k / ROW_PARTS;
                 if (nm > SPECTRUM_MIN_NM && nm < SPECTRUM_MAX_NM) pieces->from[count++] = nm;
             }
     }
@@ -115,7 +116,8 @@ static bool find_lines(const Spectrum *light, const Pieces *pieces, double *seen
             double width = piece_width(pieces, i);
             seen[i] = seen_of(light, pieces, i);
             *sum += seen[i] * width;
-            squares += seen[i] * width * seen[i] * (double)(observer_wavelengths[cell + 1] - observer_wavelengths[cell]);
+            squares +=
+                seen[i] * width * seen[i] * (double)(observer_wavelengths[cell + 1] - observer_wavelengths[cell]);
         }
     return squares * CELLS > LINES_FROM * *sum * *sum;
 }
@@ -188,9 +190,7 @@ Status wavelength_lines_new(const LightOfScene *lights, size_t n, WavelengthLine
         return status;
     }
     size_t n_pieces = lines->pieces.n;
-    lines->part = !enough                                          ? LEAST_PART
-                  : powers.others > LEAST_POWER * powers.lines ? 1.0f / LANES
-                                                               : 1 - 1.0f / LANES;
+    lines->part = !enough ? LEAST_PART : powers.others > LEAST_POWER * powers.lines ? 1.0f / LANES : 1 - 1.0f / LANES;
     lines->cumulative = malloc((n_pieces + 1) * sizeof *lines->cumulative);
     lines->density = malloc(n_pieces * sizeof *lines->density);
     if (!lines->cumulative || !lines->density) {

@@ -60,12 +60,8 @@ Lanes spectrum_varying_at(const Spectrum *spectrum, Lanes wavelength_nm)
     const float *value = spectrum->value;
     Lanes result;
     switch (spectrum->kind) {
-    case SPECTRUM_SIGMOID:
-        result = upsample_at(value, wavelength_nm);
-        break;
-    case SPECTRUM_LIGHT:
-        result = lanes_mul(upsample_at(value, wavelength_nm), white_at(wavelength_nm));
-        break;
+    case SPECTRUM_SIGMOID: result = upsample_at(value, wavelength_nm); break;
+    case SPECTRUM_LIGHT: result = lanes_mul(upsample_at(value, wavelength_nm), white_at(wavelength_nm)); break;
     case SPECTRUM_CAUCHY: {
         Lanes inverse = lanes_div(lanes_all(1), square_um(wavelength_nm));
         result = lanes_add(lanes_scale(inverse, value[2]), lanes_all(value[1]));
@@ -86,9 +82,7 @@ Lanes spectrum_varying_at(const Spectrum *spectrum, Lanes wavelength_nm)
     case SPECTRUM_ROWS: result = rows_at_lanes(spectrum->rows, wavelength_nm); break;
     case SPECTRUM_CONSTANT: /* see spectrum_at */
     case SPECTRUM_TABLE:
-    default:
-        result = table_at(spectrum->table, wavelength_nm);
-        break;
+    default: result = table_at(spectrum->table, wavelength_nm); break;
     }
     return lanes_scale(result, spectrum->scale);
 }
@@ -119,21 +113,17 @@ bool spectrum_is_constant(const Spectrum *spectrum)
     const float *value = spectrum->value;
     if (spectrum_is_zero(spectrum)) return true;
     switch (spectrum->kind) {
-    case SPECTRUM_CONSTANT:
-        return true;
+    case SPECTRUM_CONSTANT: return true;
     case SPECTRUM_SIGMOID:
-    case SPECTRUM_CAUCHY:
-        return value[1] == 0 && value[2] == 0;
-    case SPECTRUM_SELLMEIER:
-        return value[0] == 0 && value[1] == 0 && value[2] == 0;
+    case SPECTRUM_CAUCHY: return value[1] == 0 && value[2] == 0;
+    case SPECTRUM_SELLMEIER: return value[0] == 0 && value[1] == 0 && value[2] == 0;
     case SPECTRUM_TABLE:
         for (int i = 1; i < SPECTRUM_SAMPLES; i++)
             if (spectrum->table[i] != spectrum->table[0]) return false;
         return true;
     case SPECTRUM_ROWS: /* what is the same everywhere needs none */
     case SPECTRUM_LIGHT:
-    default:
-        return false;
+    default: return false;
     }
 }
 
@@ -181,9 +171,10 @@ Spectrum spectrum_cauchy(double a, double b_um2, double c_um4)
 
 Spectrum spectrum_sellmeier(const double b[3], const double c_um2[3])
 {
-    return (Spectrum){.kind = SPECTRUM_SELLMEIER,
-                      .scale = 1,
-                      .value = {(float)b[0], (float)b[1], (float)b[2], (float)c_um2[0], (float)c_um2[1], (float)c_um2[2]}};
+    return (Spectrum){
+        .kind = SPECTRUM_SELLMEIER,
+        .scale = 1,
+        .value = {(float)b[0], (float)b[1], (float)b[2], (float)c_um2[0], (float)c_um2[1], (float)c_um2[2]}};
 }
 
 Spectrum spectrum_tabulate(double (*function)(void *context, double wavelength_nm), void *context, float *table)
@@ -238,7 +229,8 @@ typedef struct RowSet {
 static bool is_fine_about(const RowSet *set, double wavelength_nm)
 {
     const double half = SPECTRUM_STEP_NM / 2.0;
-    size_t first = row_from(set->rows, set->n, wavelength_nm - half), end = row_from(set->rows, set->n, wavelength_nm + half);
+    size_t first = row_from(set->rows, set->n, wavelength_nm - half),
+           end = row_from(set->rows, set->n, wavelength_nm + half);
     return end > first + 1 || (end == first + 1 && set->rows[2 * first] != wavelength_nm);
 }
 

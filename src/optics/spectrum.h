@@ -17,14 +17,14 @@
 enum { SPECTRUM_STEP_NM = 5, SPECTRUM_SAMPLES = 95 }; /* (830 - 360) / 5 + 1 */
 
 typedef enum SpectrumKind {
-    SPECTRUM_CONSTANT, /* value[0] everywhere */
-    SPECTRUM_SIGMOID,  /* scale * S(c0 + c1 w + c2 w^2), w in 0..1 over the range; [JH19] */
-    SPECTRUM_LIGHT,    /* the same times the working space's white illuminant, for emission */
-    SPECTRUM_CAUCHY,   /* A + B / um^2 + C / um^4 */
-    SPECTRUM_SELLMEIER,/* n^2 = 1 + sum B_i um^2 / (um^2 - C_i) */
-    SPECTRUM_TABLE,    /* SPECTRUM_SAMPLES values, linear in between */
-    SPECTRUM_ROWS,     /* values at wavelengths of their own, closer than a table's: the lines of a lamp */
-    SPECTRUM_LANES     /* value[0 .. 3] at the four wavelengths that it is asked for, whatever they are: a texture's value at
+    SPECTRUM_CONSTANT,  /* value[0] everywhere */
+    SPECTRUM_SIGMOID,   /* scale * S(c0 + c1 w + c2 w^2), w in 0..1 over the range; [JH19] */
+    SPECTRUM_LIGHT,     /* the same times the working space's white illuminant, for emission */
+    SPECTRUM_CAUCHY,    /* A + B / um^2 + C / um^4 */
+    SPECTRUM_SELLMEIER, /* n^2 = 1 + sum B_i um^2 / (um^2 - C_i) */
+    SPECTRUM_TABLE,     /* SPECTRUM_SAMPLES values, linear in between */
+    SPECTRUM_ROWS,      /* values at wavelengths of their own, closer than a table's: the lines of a lamp */
+    SPECTRUM_LANES /* value[0 .. 3] at the four wavelengths that it is asked for, whatever they are: a texture's value at
                         * one hit; of no use elsewhere */
 } SpectrumKind;
 
@@ -35,7 +35,7 @@ typedef struct SpectrumRow {
 
 typedef struct SpectrumRows {
     uint32_t n;
-    SpectrumRow *row;                 /* ascending; the first is not above SPECTRUM_MIN_NM, the last not below SPECTRUM_MAX_NM */
+    SpectrumRow *row; /* ascending; the first is not above SPECTRUM_MIN_NM, the last not below SPECTRUM_MAX_NM */
     uint32_t first[SPECTRUM_SAMPLES]; /* the last row that is not above each wavelength that a table keeps */
     float table[SPECTRUM_SAMPLES];    /* what a table keeps of them */
 } SpectrumRows;
@@ -44,7 +44,7 @@ typedef struct Spectrum {
     SpectrumKind kind;
     float scale; /* multiplies the value, whatever the kind */
     float value[6];
-    union { /* not owned */
+    union {                       /* not owned */
         const float *table;       /* of SPECTRUM_TABLE */
         const SpectrumRows *rows; /* of SPECTRUM_ROWS */
     };

@@ -36,10 +36,10 @@ typedef struct TextureStop {
 /* A number is a spectrum that is the same at all wavelengths: one kind of texture serves for colours and numbers. */
 typedef struct Texture {
     TextureKind kind;
-    bool in_world;       /* placed in the world, not on the object */
-    bool placed;         /* to_pattern is not the identity */
-    bool is_value;       /* IMAGE, FORMULA: its colours or numbers themselves are the value */
-    bool shines;         /* FORMULA: colours are of light, not of reflectances */
+    bool in_world; /* placed in the world, not on the object */
+    bool placed;   /* to_pattern is not the identity */
+    bool is_value; /* IMAGE, FORMULA: its colours or numbers themselves are the value */
+    bool shines;   /* FORMULA: colours are of light, not of reflectances */
     TextureProjection projection;
     TextureWrap wrap;
     double turns;      /* IMAGE, around an axis: the part of a turn that the picture takes */
@@ -55,8 +55,8 @@ typedef struct Texture {
     uint32_t low, high;        /* textures at 0 and 1 of the pattern; or else: */
     const TextureStop *stops;
     uint32_t n_stops;
-    uint32_t blend; /* MIX: a texture of numbers */
-    Spectrum value; /* CONSTANT */
+    uint32_t blend;  /* MIX: a texture of numbers */
+    Spectrum value;  /* CONSTANT */
     uint64_t source; /* IMAGE: of the name of its file, and how that is read */
     /* NULL, or n_keys of them: what it is at evenly spread times while the shutter is open, of the same kind and with as
      * many steps and stops. Their to_pattern goes the other way, from the pattern. */
@@ -69,7 +69,8 @@ typedef struct Texture {
 /* Where textures are looked up. Object: in the frame that the object was described in, where textures stand still on it. */
 typedef struct TexturePlace {
     Vec3 object, world;
-    Vec3 object_normal, world_normal; /* outward, unit; of a smooth mesh the geometric one, or where textures ask for it, the smooth one */
+    Vec3 object_normal,
+        world_normal; /* outward, unit; of a smooth mesh the geometric one, or where textures ask for it, the smooth one */
     float uv[2];
     Vec3 du, dv;      /* how fast u and v change, along the surface, per object length */
     double footprint; /* what is smaller than this length in the object's frame need not be told apart */

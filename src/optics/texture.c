@@ -279,7 +279,8 @@ static Lanes radiance_at(const Environment *environment, const EnvironmentPlace 
     for (int i = 0; i < 4; i++)
         parts[i] = texel_radiance(&environment->texels[corners->at[i]], weights[i], wavelength_nm);
     Lanes sum = lanes_add(lanes_add(lanes_add(parts[0], parts[1]), parts[2]), parts[3]);
-    return lanes_mul(sum, environment->has_light ? spectrum_at(&environment->light, wavelength_nm) : white_at(wavelength_nm));
+    return lanes_mul(sum, environment->has_light ? spectrum_at(&environment->light, wavelength_nm)
+                                                 : white_at(wavelength_nm));
 }
 
 Lanes environment_radiance_at(const Environment *environment, const EnvironmentPlace *place, Lanes wavelength_nm)

@@ -26,9 +26,15 @@ Lanes upsample_at(const float coefficients[3], Lanes wavelength_nm)
     return sigmoid(x);
 }
 
-static double clamp(double value, double low, double high) { return fmin(fmax(value, low), high); }
+static double clamp(double value, double low, double high)
+{
+    return fmin(fmax(value, low), high);
+}
 
-static bool is_grey(const double rgb[3]) { return rgb[0] == rgb[1] && rgb[0] == rgb[2]; }
+static bool is_grey(const double rgb[3])
+{
+    return rgb[0] == rgb[1] && rgb[0] == rgb[2];
+}
 
 static Spectrum sigmoid_spectrum(SpectrumKind kind, double scale, const double rgb[3])
 {

@@ -34,8 +34,8 @@ double upsample_constant(double value)
 
 /* residual = colour of the coefficients - rgb; jacobian[c][i] = d colour_c / d coefficient_i. Returns the
  * sum of squares. */
-static double evaluate(const UpsampleSolver *solver, const double rgb[3], const double coefficients[3], double residual[3],
-                       double jacobian[3][3])
+static double evaluate(const UpsampleSolver *solver, const double rgb[3], const double coefficients[3],
+                       double residual[3], double jacobian[3][3])
 {
     for (int c = 0; c < 3; c++) {
         residual[c] = -rgb[c];
@@ -127,7 +127,8 @@ double upsample_solve(const UpsampleSolver *solver, const double rgb[3], double 
     for (int step = 1; step <= STEPS; step++) {
         double t = (double)step / STEPS, target[3];
         for (int c = 0; c < 3; c++) target[c] = grey + t * (rgb[c] - grey);
-        error = improve(solver, target, step < STEPS ? 1e-5 : 1e-20, coefficients); /* on the way it need not be exact */
+        error =
+            improve(solver, target, step < STEPS ? 1e-5 : 1e-20, coefficients); /* on the way it need not be exact */
     }
     return error;
 }

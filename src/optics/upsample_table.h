@@ -20,8 +20,14 @@ extern const float upsample_table[3][UPSAMPLE_KNOTS][UPSAMPLE_KNOTS][UPSAMPLE_KN
 
 /* Coefficients change fastest towards the ends, so the knots crowd there: smoothstep once for the
  * ratios, and twice, as in [JH19], for z. */
-static inline double upsample_smoothstep(double t) { return t * t * (3 - 2 * t); }
-static inline double upsample_inverse_smoothstep(double x) { return 0.5 - sin(asin(1 - 2 * x) / 3); }
+static inline double upsample_smoothstep(double t)
+{
+    return t * t * (3 - 2 * t);
+}
+static inline double upsample_inverse_smoothstep(double x)
+{
+    return 0.5 - sin(asin(1 - 2 * x) / 3);
+}
 
 static inline double upsample_z_of_knot(int knot)
 {

@@ -21,7 +21,7 @@ typedef struct BrightPixel {
     uint32_t things[BRIGHT_THINGS], counts[BRIGHT_THINGS]; /* the first things that any sample saw, and how many did */
     float least;                                           /* light of the last one of those */
     uint32_t seen; /* two bits for each of the samples, from the lowest: which thing it saw; BRIGHT_THINGS: another */
-    uint32_t n_reflected; /* how many samples say something of the reflectance */
+    uint32_t n_reflected;                /* how many samples say something of the reflectance */
     int64_t reflected, reflected_rgb[3]; /* in sum, by BRIGHT_REFLECTED: its mean, and its colour */
 } BrightPixel;
 

@@ -1,9 +1,10 @@
 /* checkpoint.h - files from which a render goes on: a picture in EXR, and behind it the state of the render.
  *
  * Any viewer of EXR files shows the picture. What follows it are blocks of bytes, each with its length and a hash: first a head,
- * with the settings, then a block for each row of pixels, then those of the search for caustics if it has begun, then a footer that says where they begin. Numbers and structs are as in
- * the memory of the machine; files of another byte order, or of a build that keeps other numbers, are refused. The same form
- * serves for checkpoints and for slices of a render that are to be merged. It is read and written row by row.
+ * with the settings, then a block for each row of pixels, then those of the search for caustics if it has begun, then a footer
+ * that says where they begin. Numbers and structs are as in the memory of the machine; files of another byte order, or of a build
+ * that keeps other numbers, are refused. The same form serves for checkpoints and for slices of a render that are to be merged. It
+ * is read and written row by row.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_CHECKPOINT_H
 #define MEN_CHECKPOINT_H

@@ -23,8 +23,8 @@ typedef struct FilmPixel {
      * number that comes next, then for 2^(k-1), ... */
     int64_t before[FILM_LADDER + 1];
     int64_t first_rgb[3]; /* of rgb, what before[0] is of luminance */
-    int64_t
-        alpha; /* of each sample up to 1, and where chance finds more of what is behind panes than there is, below 0 */
+    /* of each sample up to 1, and where chance finds more of what is behind panes than there is, below 0 */
+    int64_t alpha;
     uint32_t n, unused;
     uint64_t rays; /* that the samples took: what they cost */
 } FilmPixel;

@@ -122,9 +122,10 @@ static Status open_again(const Merge *merge, Checkpoint *part, Error *error)
     checkpoint_close(part);
     TRY(checkpoint_open(path, part, error));
     TRY(check_part(&merge->parts[0], part, error));
-    if (part->notes.first_sample == before.first_sample && part->notes.end_sample == before.end_sample) return STATUS_OK;
-    return fail(error, STATUS_INPUT, "'%s' has changed since the merge began: it held the samples %u..%u, now %u..%u", path,
-                before.first_sample + 1, before.end_sample, part->notes.first_sample + 1, part->notes.end_sample);
+    if (part->notes.first_sample == before.first_sample && part->notes.end_sample == before.end_sample)
+        return STATUS_OK;
+    return fail(error, STATUS_INPUT, "'%s' has changed since the merge began: it held the samples %u..%u, now %u..%u",
+                path, before.first_sample + 1, before.end_sample, part->notes.first_sample + 1, part->notes.end_sample);
 }
 
 Status merge_read(Merge *merge, RenderState *state, Error *error)

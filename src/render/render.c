@@ -23,7 +23,8 @@
 enum { TILE = 8, LARGEST_PASS = 16 };
 /* Noise is not judged before this many samples per pixel: fewer say too little about themselves. */
 enum { NOISE_FLOOR = 16 };
-/* Shares of samples are first given out after this part of them, between these bounds; with fewer than the lower one each pixel gets as many. */
+/* Shares of samples are first given out after this part of them, between these bounds; with fewer than the lower one each pixel
+ * gets as many. */
 enum { EVEN_PART = 4, EVEN_LEAST = SPREAD_LEAST_SAMPLES, EVEN_MOST = 16 };
 /* A picture that is shown begins with every fourth pixel each way. Later ones take this part of the time at most. */
 enum { COARSEST = 4 };
@@ -375,8 +376,8 @@ static Status plan_samples(Job *job, Adapt *adapt, Error *error)
     return adapt_plan(adapt, film, job->settings->noise, job->wish, job->pool, &job->plan, error);
 }
 
-/* Samples where the noise is too large, until it is nowhere so, or until all are given out. A pass is no longer than elsewhere, so that a wish to stop is
- * heard; plans are made when all pixels have what they wanted, of a plan before this render, too. */
+/* Samples where the noise is too large, until it is nowhere so, or until all are given out. A pass is no longer than elsewhere, so
+ * that a wish to stop is heard; plans are made when all pixels have what they wanted, of a plan before this render, too. */
 static Status run_adaptive(Job *job, Adapt *adapt, bool *stopped, Error *error)
 {
     job->adapted_at = clock_now_s() - job->start;

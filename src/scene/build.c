@@ -228,7 +228,9 @@ static bool is_operand(Builder *b, const EvalNode *node)
         if (strcmp(node->type->name, others[i]) != 0) continue;
         Diagnostic *report =
             diag_report(b->diag, D_MISPLACED, node->span, "a %s has no inside: it cannot be an operand", others[i]);
-        diag_hint(b->diag, report, strcmp(others[i], "ground") == 0 ? "a plane can, which has an inside" : "closed shapes, groups and other combinations can");
+        diag_hint(b->diag, report,
+                  strcmp(others[i], "ground") == 0 ? "a plane can, which has an inside"
+                                                   : "closed shapes, groups and other combinations can");
         return false;
     }
     return true;
@@ -256,9 +258,13 @@ static const struct {
     {"merge", build_union},
     {"intersection", build_intersection},
     {"difference", build_difference},
-    {"prism", build_prism},   {"sweep", build_sweep},   {"superellipsoid", build_superellipsoid},
-    {"height_field", build_height_field}, {"text", build_text},
-    {"blob", build_blob},     {"isosurface", build_isosurface},
+    {"prism", build_prism},
+    {"sweep", build_sweep},
+    {"superellipsoid", build_superellipsoid},
+    {"height_field", build_height_field},
+    {"text", build_text},
+    {"blob", build_blob},
+    {"isosurface", build_isosurface},
 };
 
 void build_visit(Builder *b, const EvalNode *node, const Affine *parent)
@@ -304,8 +310,11 @@ static void build_media(Builder *b)
         build_medium_of(b, medium, "the world");
     } else {
         b->scene->media = room_for_one(b->arena, NULL, 0, &b->media_capacity, sizeof *b->scene->media);
-        b->scene->media[b->scene->n_media++] = (SceneMedium){
-            .name = "air", .ior = spectrum_constant(1), .absorption = spectrum_constant(0), .scattering = spectrum_constant(0), .state = NEST_GAS};
+        b->scene->media[b->scene->n_media++] = (SceneMedium){.name = "air",
+                                                             .ior = spectrum_constant(1),
+                                                             .absorption = spectrum_constant(0),
+                                                             .scattering = spectrum_constant(0),
+                                                             .state = NEST_GAS};
     }
     for (size_t i = 0; i < b->result.n_nodes; i++)
         if (strcmp(b->result.nodes[i]->type->name, "medium") == 0) build_medium(b, b->result.nodes[i]);
@@ -318,7 +327,8 @@ static void build_settings(Builder *b)
         const char *type;
         void (*build)(Builder *b, const EvalNode *node);
         bool always;
-    } settings[] = {{"environment", build_environment, false}, {"film", build_film, true}, {"render", build_render, true}};
+    } settings[] = {
+        {"environment", build_environment, false}, {"film", build_film, true}, {"render", build_render, true}};
     for (size_t i = 0; i < COUNT_OF(settings) && b->status == STATUS_OK; i++) {
         const EvalNode *node = find_single(b, settings[i].type);
         EvalNode unsaid = {.type = schema_node(scene_schema(), settings[i].type)};
@@ -340,9 +350,9 @@ static void check_world(Builder *b, bool distant)
 {
     const SceneMedium *medium = &b->scene->media[0];
     if (medium->mixes) {
-        Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, medium->span,
-                                         "the world's medium '%s' mixes, and there is nothing that it could mix with",
-                                         medium->name);
+        Diagnostic *report =
+            diag_report(b->diag, D_CONFLICTING_PROPERTIES, medium->span,
+                        "the world's medium '%s' mixes, and there is nothing that it could mix with", medium->name);
         diag_hint(b->diag, report, "leave 'mixes' out, or put it into an object");
     }
     if (!scene_medium_is_endless(medium)) return;
@@ -350,7 +360,8 @@ static void check_world(Builder *b, bool distant)
         Diagnostic *report = diag_report(b->diag, D_UNBOUNDED_ENVIRONMENT, medium->span,
                                          "the world's medium '%s' %s, so that no light from infinitely far arrives",
                                          medium->name, medium->absorbs ? "absorbs" : "scatters");
-        diag_hint(b->diag, report, "fill a box with it, around what is seen; with mixes = true that may reach into the ground");
+        diag_hint(b->diag, report,
+                  "fill a box with it, around what is seen; with mixes = true that may reach into the ground");
     }
     if (scene_medium_adds_up(medium))
         diag_report(b->diag, D_VALUE_OUT_OF_RANGE, medium->span,
@@ -439,7 +450,7 @@ static void task_in_diag(void *context)
 }
 
 static Status build_requested(Request *request, const SceneOptions *options, Diag *diag, Scene **scene, Buf *printed,
-                         Error *error)
+                              Error *error)
 {
     *scene = NULL;
     Scene *made = calloc(1, sizeof *made);

@@ -270,13 +270,14 @@ static void check_cut(Builder *b, const EvalNode *node, const Isosurface *isosur
     if (!(of_mesh >= nearly_all || of_bounds >= whole)) return;
     Buf box = {0};
     add_corners(&box, "", bounds->box, " to ");
-    const char *why = of_bounds < whole       ? "hardly more than a box: nearly all of its surface is where these cut it off"
+    const char *why = of_bounds < whole ? "hardly more than a box: nearly all of its surface is where these cut it off"
                       : of_mesh >= nearly_all ? "a box: all within these is inside"
                                               : "a box from outside: it is cut off everywhere along these";
     Diagnostic *report = diag_report(b->diag, D_FULL_BOUNDS, node->span, "with the bounds %s this isosurface is %s",
                                      buf_text(&box), why);
     buf_clear(&box);
-    add_bounds_hint(b, report, isosurface, bounds, "where that is to be outside, turn its sign and that of the threshold round");
+    add_bounds_hint(b, report, isosurface, bounds,
+                    "where that is to be outside, turn its sign and that of the threshold round");
 }
 
 static Status make_isosurface(Builder *b, const EvalNode *node, Mesh **mesh, Span *span, Error *error)

@@ -72,9 +72,12 @@ static void hint_at_shape(Builder *b, Diagnostic *report, const LightShape *shap
         diag_hint(b->diag, report, "it has no surface: give its 'intensity', or its 'power'");
     else if (strcmp(name, "intensity") == 0 && is_named(shape->takes, "radiance"))
         hint_at_power(b, report, shape, prop->as.number);
-    else if (strcmp(shape->word, "spot") == 0 && strcmp(name, "radius") == 0 && prop->as.number > 0 && prop->as.number < 90)
-        diag_hint(b->diag, report, "its cone is an angle from edge to edge: angle = %g; a light that has a size is shape = disc  radius = ...",
-                  2 * prop->as.number);
+    else if (strcmp(shape->word, "spot") == 0 && strcmp(name, "radius") == 0 && prop->as.number > 0 &&
+             prop->as.number < 90)
+        diag_hint(
+            b->diag, report,
+            "its cone is an angle from edge to edge: angle = %g; a light that has a size is shape = disc  radius = ...",
+            2 * prop->as.number);
     else if (shape->kind == LIGHT_POINT && strcmp(name, "radius") == 0)
         diag_hint(b->diag, report, "it has no size: sphere and disc are shapes of lights that have one");
     else
@@ -87,13 +90,14 @@ static void hint_at_shape(Builder *b, Diagnostic *report, const LightShape *shap
 static bool report_other_shape(Builder *b, const EvalNode *node)
 {
     if (eval_prop(node, "shape") || eval_prop(node, "size")) return false;
-    const EvalProp *intensity = eval_prop(node, "intensity"), *radius = eval_prop(node, "radius"), *of = intensity ? intensity : radius;
+    const EvalProp *intensity = eval_prop(node, "intensity"), *radius = eval_prop(node, "radius"),
+                   *of = intensity ? intensity : radius;
     if (!of) return false;
     bool aimed = eval_prop(node, "to") != NULL, cone = eval_prop(node, "angle") || eval_prop(node, "blend");
     bool spot = (aimed || cone) && !eval_prop(node, "profile");
     const char *word = intensity ? (spot ? "spot" : "point") : aimed || cone ? "disc" : "sphere";
-    Diagnostic *report =
-        diag_report(b->diag, D_CONFLICTING_PROPERTIES, of->span, "a light without a 'shape' is a quad, which has no '%s'", of->type->name);
+    Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, of->span,
+                                     "a light without a 'shape' is a quad, which has no '%s'", of->type->name);
     diag_hint(b->diag, report, "write: shape = %s%s%s", word, cone && !aimed ? "  to = <0, 0, 0>" : "",
               intensity && spot && !cone ? ", or shape = point without 'to', for light to all sides" : "");
     return true;
@@ -102,8 +106,8 @@ static bool report_other_shape(Builder *b, const EvalNode *node)
 /* Which properties each shape of light needs; the others it must not have. */
 static bool check_properties(Builder *b, const EvalNode *node, const LightShape *shape)
 {
-    static const char *const names[] = {"size",  "radius", "to",       "angle",     "blend",
-                                        "color", "power",  "radiance", "intensity", "profile", "visible"};
+    static const char *const names[] = {"size",  "radius",   "to",        "angle",   "blend",  "color",
+                                        "power", "radiance", "intensity", "profile", "visible"};
     if (report_other_shape(b, node)) return false;
     bool fine = build_exclude(b, node, "radiance", "power") && build_exclude(b, node, "intensity", "power");
     for (size_t i = 0; i < COUNT_OF(names); i++) {
@@ -259,8 +263,7 @@ void build_light(Builder *b, const EvalNode *node, const Affine *to_world)
         return;
     }
     const EvalProp *angle = eval_prop(node, "angle");
-    if (light_is_flat(&light))
-        build_needs_other(b, node, "blend", "angle", "without an angle, into which it shines");
+    if (light_is_flat(&light)) build_needs_other(b, node, "blend", "angle", "without an angle, into which it shines");
     if (angle && !(angle->as.number >= least_angle)) {
         diag_report(b->diag, D_VALUE_OUT_OF_RANGE, angle->span, "an angle of %g degrees is too small: %g is the least",
                     angle->as.number, least_angle);

@@ -55,14 +55,16 @@ static Spectrum coefficients_of(Builder *b, const EvalProp *prop)
     Spectrum spectrum = spectrum_constant(0);
     if (is_term(prop, "spectrum")) return build_spectrum(b, prop, most, &spectrum) ? spectrum : spectrum_constant(0);
     if (prop->as.spectrum.form == SPECTRUM_TERM) {
-        diag_report(b->diag, D_WRONG_TYPE, prop->span, "'%s' is a number, a vector or a spectrum() per length, not %s()",
-                    name, prop->as.spectrum.term->type->name);
+        diag_report(b->diag, D_WRONG_TYPE, prop->span,
+                    "'%s' is a number, a vector or a spectrum() per length, not %s()", name,
+                    prop->as.spectrum.term->type->name);
         return spectrum;
     }
     const double *rgb = prop->as.spectrum.rgb;
     bool grey = prop->as.spectrum.form == SPECTRUM_NUMBER || (rgb[0] == rgb[1] && rgb[1] == rgb[2]);
     double largest = grey ? rgb[0] : fmax(rgb[0], fmax(rgb[1], rgb[2]));
-    if (largest <= most) return grey ? spectrum_constant((float)rgb[0]) : spectrum_from_coefficients(rgb, build_new_table(b));
+    if (largest <= most)
+        return grey ? spectrum_constant((float)rgb[0]) : spectrum_from_coefficients(rgb, build_new_table(b));
     diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop->span, "%s %s of %g is too large",
                 strcmp(name, "absorption") == 0 ? "an" : "a", name, largest);
     return spectrum;
@@ -135,10 +137,10 @@ static void mixing_of(Builder *b, const EvalNode *node, SceneMedium *medium)
     static const char *const reasons[] = {"it has the index of what it is in", "it is on top of nothing"};
     medium->mixes = eval_truth(node, "mixes");
     if (!medium->mixes && !eval_prop(node, "ior"))
-        diag_hint(b->diag,
-                  diag_report(b->diag, D_MISSING_PROPERTY, node->span, "a medium lacks its property 'ior'"),
+        diag_hint(b->diag, diag_report(b->diag, D_MISSING_PROPERTY, node->span, "a medium lacks its property 'ior'"),
                   eval_prop(node, "scattering") || eval_prop(node, "density") || eval_prop(node, "emission")
-                      ? "write: mixes = true, for what is within something, as smoke is in air, or ior = 1 for the world's medium"
+                      ? "write: mixes = true, for what is within something, as smoke is in air, or ior = 1 for the "
+                        "world's medium"
                       : "write: ior = 1.5 for glass, 1.33 for water");
     for (size_t i = 0; medium->mixes && i < COUNT_OF(of_owners); i++) {
         const EvalProp *prop = eval_prop(node, of_owners[i]);
@@ -311,7 +313,8 @@ bool build_emission(Builder *b, const EvalNode *node, const char *property, doub
     const EvalProp *prop = eval_prop(node, property);
     double rgb[3] = {1, 1, 1};
     *out = spectrum_constant(0);
-    if (prop && (is_term(prop, "blackbody") || is_term(prop, "spectrum"))) return emission_of_table(b, prop, factor, out);
+    if (prop && (is_term(prop, "blackbody") || is_term(prop, "spectrum")))
+        return emission_of_table(b, prop, factor, out);
     if (prop && prop->as.spectrum.form == SPECTRUM_TERM) {
         diag_report(b->diag, D_WRONG_TYPE, prop->span, "'%s' is a colour, blackbody(kelvin) or a spectrum(), not %s()",
                     property, prop->as.spectrum.term->type->name);
@@ -319,7 +322,8 @@ bool build_emission(Builder *b, const EvalNode *node, const char *property, doub
     }
     if (prop)
         for (int i = 0; i < 3; i++) rgb[i] = prop->as.spectrum.rgb[prop->as.spectrum.form == SPECTRUM_NUMBER ? 0 : i];
-    if (!build_is_bearable(b, prop ? prop->span : node->span, factor * fmax(rgb[0], fmax(rgb[1], rgb[2])))) return false;
+    if (!build_is_bearable(b, prop ? prop->span : node->span, factor * fmax(rgb[0], fmax(rgb[1], rgb[2]))))
+        return false;
     for (int i = 0; i < 3; i++) rgb[i] *= factor;
     *out = spectrum_from_light(rgb);
     return true;

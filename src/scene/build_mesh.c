@@ -279,13 +279,14 @@ static void name_materials(const MeshSource *source, MaterialNames *names)
     for (size_t i = 0; i < n && i < MOST_NAMED; i++) {
         const char *name = source->materials[i].name, *before = i == 0 ? "" : i + 1 == n ? " and " : ", ";
         const char *quote = *name ? "'" : "";
-        length += (size_t)snprintf(names->text + length, sizeof names->text - length, "%s%s%.*s%s", before, quote, LONGEST,
-                                   *name ? name : "one without a name", quote);
+        length += (size_t)snprintf(names->text + length, sizeof names->text - length, "%s%s%.*s%s", before, quote,
+                                   LONGEST, *name ? name : "one without a name", quote);
     }
     if (n > MOST_NAMED) snprintf(names->text + length, sizeof names->text - length, " and %zu more", n - MOST_NAMED);
 }
 
-static void note_materials(Builder *b, const EvalProp *file, const MaterialNames *names, const char *part, uint32_t shape)
+static void note_materials(Builder *b, const EvalProp *file, const MaterialNames *names, const char *part,
+                           uint32_t shape)
 {
     SceneShape *row = &b->scene->shapes[shape];
     if (!names->n) return;

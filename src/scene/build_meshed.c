@@ -242,9 +242,11 @@ static double rounded_down(double x)
 
 static void hint_fit(Builder *b, Diagnostic *report, const SweepShape *shape, double fits)
 {
-    const char *else_what = shape->outline ? "sweeps that overlap, in a union" : "spheres and capsules from point to point, in a union";
+    const char *else_what =
+        shape->outline ? "sweeps that overlap, in a union" : "spheres and capsules from point to point, in a union";
     if (!(fits > 0) || !isfinite(fits))
-        diag_hint(b->diag, report, "a smaller %s or wider bends; or %s", shape->outline ? "outline" : "radius", else_what);
+        diag_hint(b->diag, report, "a smaller %s or wider bends; or %s", shape->outline ? "outline" : "radius",
+                  else_what);
     else if (!shape->outline && shape->n_scales == 1)
         diag_hint(b->diag, report, "a radius of %.2g, which fits all along the path, or wider bends; or %s",
                   rounded_down(fits * shape->scales[0]), else_what);

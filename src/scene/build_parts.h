@@ -255,7 +255,8 @@ void build_box(Builder *b, const EvalNode *node, const Affine *to_world);
 void build_plane(Builder *b, const EvalNode *node, const Affine *to_world);
 void build_ground(Builder *b, const EvalNode *node, const Affine *to_world);
 /* What an object is made of: an interior, a surface, or an interior that has a rough surface; false after reporting. */
-bool build_matter(Builder *b, const EvalNode *node, uint32_t shape, const EvalProp **interior, const EvalProp **surface);
+bool build_matter(Builder *b, const EvalNode *node, uint32_t shape, const EvalProp **interior,
+                  const EvalProp **surface);
 /* Places a shape as a hull or as an opaque thing, whichever the node says, or as an operand of the combination around
  * it. */
 void build_object(Builder *b, const EvalNode *node, uint32_t shape, const Affine *to_world);

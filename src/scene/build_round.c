@@ -229,8 +229,8 @@ static void remark_open_profile(Builder *b, const LatheParts *parts)
     bool on_axis = p[0] <= 0 || p[last] <= 0;
     if (!slanted || (!on_axis && closing < 1.5 * longest)) return;
     Diagnostic *report = diag_report(b->diag, D_OPEN_PROFILE, profile->span,
-                                     "the profile ends at <%g, %g> and is closed by a %s from there to <%g, %g>", p[last],
-                                     p[last + 1], parts->corner ? "curve" : "straight edge", p[0], p[1]);
+                                     "the profile ends at <%g, %g> and is closed by a %s from there to <%g, %g>",
+                                     p[last], p[last + 1], parts->corner ? "curve" : "straight edge", p[0], p[1]);
     diag_hint(b->diag, report, "lead it back along the inside, for a wall; or to the axis, for what is full");
 }
 

@@ -210,7 +210,8 @@ static const Need needs[] = {
     {"weight", "mix", "without a 'mix'", "a mixture of two: mix = [a, b]"},
 };
 
-#define TINTS "what is clear has the tint of its medium, medium glass { ior = 1.5  tint = rgb(.6, .9, .7)  depth = 1cm }"
+#define TINTS                                                                                                          \
+    "what is clear has the tint of its medium, medium glass { ior = 1.5  tint = rgb(.6, .9, .7)  depth = 1cm }"
 #define FILM "thin = true  ior = 1.4  transmission = 1  film = 300nm"
 
 /* What only panes have, which are thin and let light through. */
@@ -503,7 +504,8 @@ const SurfaceTexture *build_texture_of(const SceneSurface *surface, const char *
 
 static bool same_parameter(const Parameter *parameter, const SceneSurface *a, const SceneSurface *b)
 {
-    const char *first = (const char *)&a->spec + parameter->offset, *second = (const char *)&b->spec + parameter->offset;
+    const char *first = (const char *)&a->spec + parameter->offset,
+               *second = (const char *)&b->spec + parameter->offset;
     bool textured = build_texture_of(a, parameter->property) != NULL;
     if (textured != (build_texture_of(b, parameter->property) != NULL)) return false;
     if (textured) return true;

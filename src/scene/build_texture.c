@@ -97,7 +97,8 @@ static uint32_t value_of(Builder *b, const EvalNode *node, const char *name, dou
         Spectrum light;
         bool fine = is_light(b, prop) && build_emission(b, node, name, 1, &light);
         /* lines are kept of what shines in them alone, and not of mixtures */
-        return add_constant(b, fine ? spectrum_smoothed(&light) : spectrum_constant(0), fine ? spectrum_luminance(&light) : 0);
+        return add_constant(b, fine ? spectrum_smoothed(&light) : spectrum_constant(0),
+                            fine ? spectrum_luminance(&light) : 0);
     }
     const double *rgb = prop->as.spectrum.rgb;
     Spectrum value = spectrum_constant(0);

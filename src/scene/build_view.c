@@ -184,9 +184,8 @@ void build_camera(Builder *b, const EvalNode *node, const Affine *to_world)
     if (b->only_shapes) return;
     Scene *scene = b->scene;
     const EvalProp *from = eval_prop(node, "from");
-    SceneCamera camera = {.name = build_name(b, node, node->type->name),
-                          .span = build_author_place(b, node),
-                          .identity = b->where};
+    SceneCamera camera = {
+        .name = build_name(b, node, node->type->name), .span = build_author_place(b, node), .identity = b->where};
     camera.from = affine_point(to_world, vec3(from->as.vector[0], from->as.vector[1], from->as.vector[2]));
     /* the lens is round and pixels are square whatever the transforms: they grow with the mean scale */
     double scale = cbrt(fabs(affine_determinant(to_world)));
@@ -228,8 +227,8 @@ static void check_output(Builder *b, Span span, const char *name)
     size_t length;
     const char *mark = file_number_mark(name, &length);
     if (!mark) return;
-    Diagnostic *report = diag_report(b->diag, D_BAD_OUTPUT, span, "'%.*s' is no place for the number of a frame",
-                                     (int)length, mark);
+    Diagnostic *report =
+        diag_report(b->diag, D_BAD_OUTPUT, span, "'%.*s' is no place for the number of a frame", (int)length, mark);
     diag_hint(b->diag, report, "write: \"%.*s####%s\"", (int)(mark - name), name, mark + length);
 }
 
@@ -279,6 +278,7 @@ void build_render(Builder *b, const EvalNode *node)
     render->seed = (uint32_t)eval_number(node, "seed");
     render->denoises = eval_truth(node, "denoise");
     render->spreads = strcmp(eval_word(node, "fireflies"), "spread") == 0;
-    if (!scene_caustics_from_text(eval_word(node, "caustics"), &render->caustics)) render->caustics = CAUSTICS_AUTOMATIC;
+    if (!scene_caustics_from_text(eval_word(node, "caustics"), &render->caustics))
+        render->caustics = CAUSTICS_AUTOMATIC;
     if (!nest_policy_from_text(eval_word(node, "nesting"), &render->nesting)) render->nesting = NEST_AUTOMATIC;
 }

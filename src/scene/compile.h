@@ -23,9 +23,9 @@ typedef struct HullPair {
     double contact_area;         /* of those faces, estimate, square scene units */
     double contact_area_error;   /* its standard error */
     double contact_offset;       /* the largest distance seen between them */
-    double gap; /* the smallest distance across a gap seen between facing surfaces; INFINITY: none near */
-    bool wedge; /* the gap narrows to nothing, as far as lines can tell: the smallest distance is chance, */
-    double gap_most;                 /* and this is the largest one seen that is still thin */
+    double gap;      /* the smallest distance across a gap seen between facing surfaces; INFINITY: none near */
+    bool wedge;      /* the gap narrows to nothing, as far as lines can tell: the smallest distance is chance, */
+    double gap_most; /* and this is the largest one seen that is still thin */
     double gap_area, gap_area_error; /* estimate of the gap's area, and its standard error */
 } HullPair;
 
@@ -37,16 +37,15 @@ typedef struct CompiledPassing {
 typedef struct CompiledScene {
     const Scene *scene;
     RtcScene *rtc;
-    uint32_t
-        *hull_of_object; /* what crossing the object passes: a hull, or an operand of a combination, from n_hulls on;
-                               * SCENE_NONE for opaque objects */
+    /* what crossing the object passes: a hull, or an operand of a combination, from n_hulls on; SCENE_NONE for opaque objects */
+    uint32_t *hull_of_object;
     uint32_t *object_of_hull;
     NestHull *hulls;
     uint32_t n_hulls;
-    Box3 *hull_bounds; /* in the world; of hulls without end the part in which anything else is */
+    Box3 *hull_bounds;  /* in the world; of hulls without end the part in which anything else is */
     Box3 *found_bounds; /* the same; but of combinations around what lines found of them: nearly all, by chance */
-    bool *unbounded;   /* of hulls and operands: reach to infinity */
-    uint32_t *planes;  /* objects that are half of space */
+    bool *unbounded;    /* of hulls and operands: reach to infinity */
+    uint32_t *planes;   /* objects that are half of space */
     uint32_t n_planes;
     HullPair *pairs; /* every pair that meets: overlaps, touches or leaves a small gap */
     size_t n_pairs;
@@ -121,7 +120,8 @@ void compiled_surfaces_at(const CompiledScene *compiled, Vec3 point, double time
 ATTR_NODISCARD Status compiled_are_no_surfaces(const CompiledScene *compiled, const NestList *list,
                                                const SurfacesHere *here, bool *result);
 /* Ends a report of what is on a surface: where that is, and by how much to move off it. */
-void compiled_advise_off_surface(const CompiledScene *compiled, const RtcSurface *surface, Diagnostic *report, Diag *diag);
+void compiled_advise_off_surface(const CompiledScene *compiled, const RtcSurface *surface, Diagnostic *report,
+                                 Diag *diag);
 
 /* The hulls that hold a camera's centre, and the surface (may be NULL) that it is on, as by compiled_interior. A camera that
  * stands on the surface of an operand where its combination has none is moved off that, by some roundings, so that its rays

@@ -166,7 +166,8 @@ static Status report_expectation(const CompiledScene *compiled, const SceneCamer
     return STATUS_SCENE;
 }
 
-void compiled_advise_off_surface(const CompiledScene *compiled, const RtcSurface *surface, Diagnostic *report, Diag *diag)
+void compiled_advise_off_surface(const CompiledScene *compiled, const RtcSurface *surface, Diagnostic *report,
+                                 Diag *diag)
 {
     const SceneObject *object = &compiled->scene->objects[surface->object];
     diag_note(diag, report, object->span, "%s is here", object->name);

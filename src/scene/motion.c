@@ -109,9 +109,10 @@ static void change_shape(Finder *f, const SceneObject *object, uint32_t then)
 /* The same mesh, whose parts overlap at one time only. The report is dropped when there was the same one before. */
 static void report_new_parts(Finder *f, const SceneObject *object)
 {
-    Diagnostic *report = diag_report(
-        f->diag, D_SHAPE_CHANGES, object->span,
-        "parts of %s come to overlap, or cease to, while the shutter is open: it stays as it is at first", object->name);
+    Diagnostic *report =
+        diag_report(f->diag, D_SHAPE_CHANGES, object->span,
+                    "parts of %s come to overlap, or cease to, while the shutter is open: it stays as it is at first",
+                    object->name);
     diag_hint(f->diag, report, "make each part an object of its own");
 }
 
@@ -164,8 +165,8 @@ static void move_cameras(Finder *f)
             }
             if (memcmp(&then->from, &camera->from, sizeof camera->from) != 0 ||
                 memcmp(&then->forward, &camera->forward, sizeof camera->forward) != 0 ||
-                memcmp(&then->up, &camera->up, sizeof camera->up) != 0 ||
-                then->half_width != camera->half_width || then->focus_distance != camera->focus_distance)
+                memcmp(&then->up, &camera->up, sizeof camera->up) != 0 || then->half_width != camera->half_width ||
+                then->focus_distance != camera->focus_distance)
                 camera->keys = keys;
         }
     }

@@ -29,7 +29,7 @@ typedef struct Finder {
     uint32_t *shape_then, *medium_then, *surface_then, *texture_then;
     TextureUser *texture_users;
     bool *texture_stays; /* it was told to stay as it is at first */
-    uint8_t *hung; /* of each light */
+    uint8_t *hung;       /* of each light */
     Arena other_arena;
     Scene *other;
     uint32_t *places; /* which of its objects is which */

@@ -31,12 +31,14 @@
 /* What every texture says: its values, and where it is. */
 #define TEXTURE (NODE_TEXTURE | NODE_TRANSFORMS)
 #define TEXTURE_VALUES                                                                                                 \
-    PROP(from, SPECTRUM, UNIT_ANY, PROP_TEXTURE, NO_MIN, NO_MAX, NULL, "0",                                           \
+    PROP(from, SPECTRUM, UNIT_ANY, PROP_TEXTURE, NO_MIN, NO_MAX, NULL, "0",                                            \
          "the value where the pattern is 0: a number or a colour, or another texture")                                 \
-    PROP(to, SPECTRUM, UNIT_ANY, PROP_TEXTURE, NO_MIN, NO_MAX, NULL, "1", "the value where it is 1; in between, a mixture")
+    PROP(to, SPECTRUM, UNIT_ANY, PROP_TEXTURE, NO_MIN, NO_MAX, NULL, "1",                                              \
+         "the value where it is 1; in between, a mixture")
 #define TEXTURE_RAMP                                                                                                   \
-    PROP(ramp, RAMP, UNIT_ANY, 0, NO_MIN, NO_MAX, NULL, NULL,                                                         \
-         "instead of from and to: values, evenly spread from 0 to 1 or each with its position, as [[0, #fff], [.3, #000]]")
+    PROP(ramp, RAMP, UNIT_ANY, 0, NO_MIN, NO_MAX, NULL, NULL,                                                          \
+         "instead of from and to: values, evenly spread from 0 to 1 or each with its position, as [[0, #fff], [.3, "   \
+         "#000]]")
 #define TEXTURE_PLACE                                                                                                  \
     PROP(space, CHOICE, UNIT_NONE, 0, NO_MIN, NO_MAX, "object|world", "object",                                        \
          "object: it moves with what it is on; world: it stays where it is")                                           \
@@ -45,7 +47,8 @@
 #define TEXTURE_WARP(amount)                                                                                           \
     PROP(turbulence, NUMBER, UNIT_NONE, 0, NO_MIN, NO_MAX, NULL, amount,                                               \
          "how far noise moves the places where it is looked up, in units of the pattern")                              \
-    PROP(turbulence_octaves, INTEGER, UNIT_NONE, 0, 1, 16, NULL, "4", "octaves of that noise, each half the size of the last")
+    PROP(turbulence_octaves, INTEGER, UNIT_NONE, 0, 1, 16, NULL, "4",                                                  \
+         "octaves of that noise, each half the size of the last")
 #define TEXTURE_SEED PROP(seed, INTEGER, UNIT_NONE, 0, 0, 4294967295.0, NULL, "0", "another seed is another pattern")
 
 /* The names of optics/metal.h; a test compares them. */

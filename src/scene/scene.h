@@ -42,7 +42,7 @@ typedef struct SceneMedium {
     Spectrum emission;         /* radiance gained per scene unit, as SceneLight's */
     const Volume *temperature; /* NULL, or in kelvin where emission is that of a black body of reference_k */
     double reference_k;
-    bool mixes; /* adds to the medium that owns a place, see scene_mixing_state */
+    bool mixes;  /* adds to the medium that owns a place, see scene_mixing_state */
     bool models; /* others are instances of it */
     NestState state;
     bool has_priority;
@@ -135,7 +135,7 @@ typedef struct SceneShape { /* geometry that objects share; one of the two */
     MeshJoin join;   /* of a mesh that was open by the last bits, unless the scene asked for that */
     MeshParts parts; /* of a mesh whose bodies overlap; n_layers 0: of none, or not known. Where it holds a medium, its
                         * layers are used in its place: shapes that follow each other, see build_layers.c */
-    uint32_t layer_of; /* SCENE_NONE, or the mesh that this is a layer of */
+    uint32_t layer_of;               /* SCENE_NONE, or the mesh that this is a layer of */
     const SceneMaterials *materials; /* NULL, or what the mesh's file says of its parts, which is not taken */
 } SceneShape;
 
@@ -199,12 +199,12 @@ typedef struct SceneCamera {
     Vec3 from;
     Vec3 right, up, forward; /* orthonormal */
     SceneProjection projection;
-    double half_width;       /* of the picture: perspective, at distance 1; orthographic, a length; others, radians */
-    double lens_radius;      /* 0: pinhole; of a disc as large as the iris, where there is one */
-    double lens_reach;       /* how far its points are from its middle: the same for a disc */
+    double half_width;  /* of the picture: perspective, at distance 1; orthographic, a length; others, radians */
+    double lens_radius; /* 0: pinhole; of a disc as large as the iris, where there is one */
+    double lens_reach;  /* how far its points are from its middle: the same for a disc */
     SceneIris iris;
-    double focus_distance;   /* along forward */
-    const uint32_t *expect;  /* media, outermost first, that the camera must be inside of; NULL: not stated */
+    double focus_distance;  /* along forward */
+    const uint32_t *expect; /* media, outermost first, that the camera must be inside of; NULL: not stated */
     uint32_t n_expect;
     Span expect_span;
 } SceneCamera;
@@ -215,8 +215,8 @@ typedef struct SceneFilm {
     uint32_t n_outputs;
     AovSet aovs;
     double exposure; /* by so many stops pictures for a display are brighter */
-    bool alpha; /* such pictures keep their alpha, and are not over black */
-    bool box; /* a pixel is the mean over its own area; else a tent, which reaches half over its neighbours */
+    bool alpha;      /* such pictures keep their alpha, and are not over black */
+    bool box;        /* a pixel is the mean over its own area; else a tent, which reaches half over its neighbours */
 } SceneFilm;
 
 /* Whether light from small lights through clear objects is looked for before rendering. */
@@ -247,12 +247,19 @@ typedef struct SceneAnimation {
     bool cyclic;
 } SceneAnimation;
 
-enum { SCENE_PART_OBJECTS, SCENE_PART_MEDIA, SCENE_PART_SURFACES, SCENE_PART_LIGHTS, SCENE_PART_CAMERAS,
-       SCENE_PART_ENVIRONMENT, SCENE_PARTS };
+enum {
+    SCENE_PART_OBJECTS,
+    SCENE_PART_MEDIA,
+    SCENE_PART_SURFACES,
+    SCENE_PART_LIGHTS,
+    SCENE_PART_CAMERAS,
+    SCENE_PART_ENVIRONMENT,
+    SCENE_PARTS
+};
 
 typedef struct Scene {
-    Arena
-        arena; /* holds everything but objects, meshes, solids, images and the environment, which scene_free frees too */
+    /* holds everything but objects, meshes, solids, images and the environment, which scene_free frees too */
+    Arena arena;
     SceneMedium *media; /* [0] is the world's */
     uint32_t n_media;
     SceneSurface *surfaces;
@@ -263,7 +270,7 @@ typedef struct Scene {
     uint32_t n_images;
     SceneTextureFrame *texture_frames;
     uint32_t n_texture_frames;
-    Volume **volumes; /* freed by scene_free */
+    Volume **volumes;                /* freed by scene_free */
     SceneVolumePlace *volume_places; /* of each */
     uint32_t n_volumes;
     SceneFrame *frames; /* in the order of objects */
@@ -296,10 +303,10 @@ typedef struct Scene {
     uint32_t frame; /* of the animation, that the scene is at */
     bool is_still;  /* nothing in its texts asks for the clock, the frame or the time */
     double unit_m;
-    bool has_unit; /* the scene's header names it; else they are metres */
+    bool has_unit;            /* the scene's header names it; else they are metres */
     const char *const *files; /* everything that was read: scene files, meshes, images */
     uint32_t n_files;
-    uint64_t hash; /* of the meaning: equal for scenes that render the same */
+    uint64_t hash;                     /* of the meaning: equal for scenes that render the same */
     uint64_t part_hashes[SCENE_PARTS]; /* the same of parts, to say where two differ; what moves is not in them */
 } Scene;
 

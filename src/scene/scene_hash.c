@@ -414,7 +414,8 @@ static void add_environment(Hasher *h, const Scene *scene)
 
 static void hash_parts(Scene *scene, const Rows *rows, uint64_t environment_hash)
 {
-    Hasher objects = {hash_of_rows(rows->shapes, scene->n_shapes)}, lights = {0}, cameras = {0}, sky = {environment_hash};
+    Hasher objects = {hash_of_rows(rows->shapes, scene->n_shapes)}, lights = {0}, cameras = {0},
+           sky = {environment_hash};
     for (uint32_t i = 0; i < scene->n_objects; i++) {
         const SceneObject *object = &scene->objects[i];
         add_integer(&objects, object->shape);

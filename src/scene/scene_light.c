@@ -89,11 +89,13 @@ double light_beam(const SceneLight *light)
                r = sqrt(1 - y * y);
         for (int k = 0; k < ACROSS; k++) {
             double turn = 2 * MEN_PI * (k + 0.5) / ACROSS;
-            sum += (low - high) * 2 * MEN_PI / ACROSS * profile_at(light->profile, vec3(r * cos(turn), y, r * sin(turn)));
+            sum +=
+                (low - high) * 2 * MEN_PI / ACROSS * profile_at(light->profile, vec3(r * cos(turn), y, r * sin(turn)));
         }
     }
     if (light->profile) return sum;
     double full = light->cos_full, none = light->cos_none, fade = full - none;
     if (light->kind == LIGHT_POINT) return 2 * MEN_PI * (1 - 0.5 * (full + none)); /* the smooth step's mean is 1/2, */
-    return MEN_PI * (1 - full * full) + 2 * MEN_PI * fade * (0.5 * none + 0.35 * fade); /* and times its place it is 0.35 */
+    return MEN_PI * (1 - full * full) +
+           2 * MEN_PI * fade * (0.5 * none + 0.35 * fade); /* and times its place it is 0.35 */
 }

@@ -24,7 +24,8 @@ static uint32_t smaller(uint32_t a, uint32_t b)
 /* The points of the grid from point `first` to point `last`; computed as the points are, so that rounding leaves none out. */
 static Box3 box_of_points(const Lattice *lattice, const uint32_t first[3], const uint32_t last[3])
 {
-    return (Box3){lattice_point(lattice, first[0], first[1], first[2]), lattice_point(lattice, last[0], last[1], last[2])};
+    return (Box3){lattice_point(lattice, first[0], first[1], first[2]),
+                  lattice_point(lattice, last[0], last[1], last[2])};
 }
 
 static int side_of(const ImplicitField *field, Box3 box)

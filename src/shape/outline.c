@@ -264,10 +264,11 @@ static Status check_crossings(const Outline *outline, Error *error)
     const OutlinePoint *d = &outline->points[(search.edge_b + 1) % outline->n];
     /* the outside of a vessel alone is no profile: its ends are joined right through it */
     if (search.edge_b == outline->n - 1 && (c->r > 0 || d->r > 0) && c->y != d->y)
-        return fail(error, STATUS_SCENE,
-                    "the profile crosses or touches itself: <%g, %g> to <%g, %g> (at profile[%u]) meets the edge that closes "
-                    "it, from the last point to the first; lead it back along the inside, or to the axis",
-                    a->r, a->y, b->r, b->y, a->source);
+        return fail(
+            error, STATUS_SCENE,
+            "the profile crosses or touches itself: <%g, %g> to <%g, %g> (at profile[%u]) meets the edge that closes "
+            "it, from the last point to the first; lead it back along the inside, or to the axis",
+            a->r, a->y, b->r, b->y, a->source);
     return fail(
         error, STATUS_SCENE,
         "the profile crosses or touches itself: <%g, %g> to <%g, %g> (at profile[%u]) meets <%g, %g> to <%g, %g> (at "

@@ -41,8 +41,8 @@ typedef enum NaturalAt {
 
 typedef struct NaturalPoints {
     const double *values; /* n times width: the coordinates of a point, and what else varies with it */
-    const double
-        *times; /* from each point to the next one, and of a closed curve from the last to the first; above 0 */
+    /* from each point to the next one, and of a closed curve from the last to the first; above 0 */
+    const double *times;
     const NaturalAt *at; /* of each point; NULL: the curve passes all, and the ends of an open one are corners */
     size_t n;            /* at least 2; of a closed curve that passes all: at least 3 */
     unsigned width;

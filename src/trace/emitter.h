@@ -39,8 +39,8 @@ typedef struct EmitterSet {
 } EmitterSet;
 
 /* pool: whose threads help, or NULL */
-ATTR_NODISCARD Status emitters_find(const CompiledScene *compiled, const WorldMedia *media, Pool *pool,
-                                    EmitterSet *set, Error *error);
+ATTR_NODISCARD Status emitters_find(const CompiledScene *compiled, const WorldMedia *media, Pool *pool, EmitterSet *set,
+                                    Error *error);
 void emitters_clear(EmitterSet *set);
 
 /* The emitter that a hit is on; EMITTER_NONE where there is none. */

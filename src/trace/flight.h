@@ -12,9 +12,9 @@
 
 /* A flight from one event to the next, through any number of silent crossings. What is sampled never ends a path. */
 typedef struct FreeFlight {
-    float
-        budget; /* of the rate of collisions, over the way, that is left; INFINITY where nothing scatters; below 0 before it is
-                   * drawn, in the first medium that asks for it */
+    /* of the rate of collisions, over the way, that is left; INFINITY where nothing scatters; below 0 before it is drawn, in the
+     * first medium that asks for it */
+    float budget;
     Lanes scattered, absorbed; /* optical depths used up so far, of every lane, that beta and ratio do not have yet */
     Lanes coefficient;         /* of every lane, of the medium where the path was scattered, at that place */
     uint32_t key, n_drawn;     /* of the flight's own random numbers */

@@ -105,8 +105,8 @@ void guide_free(Guide *guide); /* NULL is fine */
 typedef struct GuideAt {
     const Guide *guide;
     const GuideCell *cell;
-    Vec3f offset; /* of the place in the cell */
-    float color;  /* by which the light that is looked for is bent, see guide_color */
+    Vec3f offset;      /* of the place in the cell */
+    float color;       /* by which the light that is looked for is bent, see guide_color */
     float share, sent; /* how often probes look from there; and those that a path sends which is scattered there */
 } GuideAt;
 

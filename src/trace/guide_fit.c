@@ -316,8 +316,7 @@ static float bend_of(const GuidePhotons *cell, const GuideLobe *lobes, const Gui
                      uint32_t self, float size)
 {
     const float few = 1.0f / 3, nearly_all = 0.8f;
-    if (lobes[self].n_sheet == 1 || cell->known[self].lent)
-        return bend_by_photons(cell, lobes, sheet, self, size, few);
+    if (lobes[self].n_sheet == 1 || cell->known[self].lent) return bend_by_photons(cell, lobes, sheet, self, size, few);
     float bend = bend_by_lobes(lobes, fours, sheet, self, size);
     bool parts_colors = fabsf(lobes[self].hue_x) + fabsf(lobes[self].hue_y) + lobes[self].hue_bend > PARTED;
     if (sheet->n < ENOUGH || parts_colors) return bend;

@@ -31,8 +31,8 @@ typedef struct GuideLobe {
 } GuideLobe;
 
 enum {
-    GUIDE_CELL_KNOWN = 32, /* of its own, */
-    GUIDE_CELL_LENT = 16,  /* those that others lend it, */
+    GUIDE_CELL_KNOWN = 32,                                     /* of its own, */
+    GUIDE_CELL_LENT = 16,                                      /* those that others lend it, */
     GUIDE_CELL_LOBES = GUIDE_CELL_KNOWN + GUIDE_CELL_LENT + 1, /* and one for all */
     GUIDE_CELL_FOURS = GUIDE_CELL_LOBES / LANES + 1
 };

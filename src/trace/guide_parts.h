@@ -65,11 +65,12 @@ ATTR_NODISCARD Status guide_set_boxes(Guide *guide, Error *error);
 
 typedef struct GuideWorth {
     double gain; /* expected: variance times work without it, over that with it */
-    double
-        promise; /* what photons say of the variance that it could take away, roughly and at most: of that without it */
+    /* what photons say of the variance that it could take away, roughly and at most: of that without it */
+    double promise;
     double rays_per_path; /* without it */
-    double bright; /* what the cells scatter along a bright line through them: that of lines, weighted by itself; 0: no line */
-    uint64_t rays;        /* that this took */
+    /* what the cells scatter along a bright line through them: that of lines, weighted by itself; 0: no line */
+    double bright;
+    uint64_t rays; /* that this took */
 } GuideWorth;
 
 /* What a guide is tried out on, and what it was made of. */

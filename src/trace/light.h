@@ -39,12 +39,14 @@ static inline Lanes light_sample_radiance(const World *world, const LightSample 
 /* Where light is looked for, when, and by which random numbers. */
 typedef struct LightQuery {
     Vec3 from;
-    Vec3f normal; /* unit, of the surface at `from`, if it takes light from its one side only; zero where light may come from
-                   * anywhere (media, surfaces that let light through) */
-    double time;  /* of the shutter, 0 .. 1 */
-    double rest;  /* uniform in [0, 1), for choosing a light, and then what that leaves of its digits, for what takes more than u;
-                   * where there are many lights, it needs more digits than a float has */
-    float u[2];   /* uniform in [0, 1), for the place on the light */
+    /* unit, of the surface at `from`, if it takes light from its one side only; zero where light may come from anywhere (media,
+     * surfaces that let light through) */
+    Vec3f normal;
+    double time; /* of the shutter, 0 .. 1 */
+    /* uniform in [0, 1), for choosing a light, and then what that leaves of its digits, for what takes more than u; where there
+     * are many lights, it needs more digits than a float has */
+    double rest;
+    float u[2]; /* uniform in [0, 1), for the place on the light */
     Lanes wavelength_nm;
 } LightQuery;
 

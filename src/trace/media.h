@@ -17,13 +17,13 @@ typedef struct MediumMaps {
 typedef struct MediumPlace {
     uint32_t hull; /* NEST_WORLD: where no hull is */
     uint32_t medium;
-    bool moves;             /* while the shutter is open: */
-    const Affine *keys;     /* NULL, or where the frame is then */
+    bool moves;                                    /* while the shutter is open: */
+    const Affine *keys;                            /* NULL, or where the frame is then */
     const Affine *density_keys, *temperature_keys; /* NULL, or where the volumes are in the frame */
-    Affine frame_to_world;  /* of what does not move, or when the shutter opens; */
-    MediumMaps maps;        /* these, too */
-    Affine from_density;    /* the inverse of maps.to_density, */
-    bool has_inverse;       /* if there is one */
+    Affine frame_to_world;                         /* of what does not move, or when the shutter opens; */
+    MediumMaps maps;                               /* these, too */
+    Affine from_density;                           /* the inverse of maps.to_density, */
+    bool has_inverse;                              /* if there is one */
     bool has_cells;
     int32_t n_cells[3];
     Affine to_cells; /* from the frame */

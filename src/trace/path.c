@@ -27,8 +27,8 @@
 /* What is reflected totally, again and again, carries on as it was; some of it leaves after ten thousand bounces, and some never.
  * Where a scene has no limit of its own, beyond so many bounces the n-th ends one path in n: of those that never leave half are
  * there after twice as many bounces, and those that leave late count by no more than how much later that is. Ended sooner, one in
- * twenty each time, their light would be in one pixel of very many: in even light a ball in a ball whose facets are a little off the other's had lost 8 parts in 100,000, and 2 %
- * in its darkest pixel, with that from 2,048 bounces on. */
+ * twenty each time, their light would be in one pixel of very many: in even light a ball in a ball whose facets are a little off
+ * the other's had lost 8 parts in 100,000, and 2 % in its darkest pixel, with that from 2,048 bounces on. */
 enum { LONG_WAY = 256 };
 
 void tracer_init(Tracer *tracer, const World *world)

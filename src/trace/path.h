@@ -39,10 +39,10 @@ typedef struct FirstSight {
     Vec3 position;
     Vec3f normal; /* for shading, towards the camera */
     float uv[2], albedo[3];
-    bool scatters;    /* behind what is clear: a medium of the object is met, not its surface; */
-    uint32_t through; /* and that medium; else in which object's medium the way from the first surface to there is longest; SCENE_NONE:
-                       * in none */
-    double way;       /* the longest of these ways */
+    bool scatters; /* behind what is clear: a medium of the object is met, not its surface; */
+    /* and that medium; else in which object's medium the way from the first surface to there is longest; SCENE_NONE: in none */
+    uint32_t through;
+    double way; /* the longest of these ways */
 } FirstSight;
 
 /* One of the media that fill a place which a path flies through; see flight.c. */
@@ -101,11 +101,12 @@ typedef struct Tracer {
     struct GuideLedger *ledger; /* of what a guide does that is tried out; NULL: none. Not owned */
     struct Backdrop *backdrop;  /* of what is seen past lamps, while that is found out; NULL: else. Not owned */
     struct Tracer *prober;      /* follows what guides send out, while the path waits; NULL: not yet needed */
-    uint32_t
-        seen; /* what the last path met first: the object, a combination's own row, or beyond these what scatters, also
-               * behind boundaries; SCENE_NONE: nothing, or a light */
-    Reflected reflected; /* in a scene with textures: at the opaque surface that the last path met first, behind boundaries, too;
-                          * mean < 0: it met none */
+    /* what the last path met first: the object, a combination's own row, or beyond these what scatters, also behind boundaries;
+     * SCENE_NONE: nothing, or a light */
+    uint32_t seen;
+    /* in a scene with textures: at the opaque surface that the last path met first, behind boundaries, too; mean < 0: it met
+     * none */
+    Reflected reflected;
     bool out_of_memory;
     bool notes_sight; /* of each path: */
     FirstSight first_sight;

@@ -35,7 +35,7 @@ typedef struct Airway {
     float shaft;            /* see shaft.h: how often looks would be sent if all shares were 1; 0: there are none; */
     double shaft_all;       /* what the guide's cells scatter on the stretch; < 0: not known yet; */
     uint32_t n_media;       /* and what fills the place, t */
-    Lanes by_lane;          /* the density of flights to there, of each lane in relation to the others; where rarity > 0 */
+    Lanes by_lane; /* the density of flights to there, of each lane in relation to the others; where rarity > 0 */
 } Airway;
 
 /* What a path is to know of the guide where it was scattered last, see probe.c. */
@@ -73,8 +73,8 @@ typedef struct Path {
     float cone_width,
         cone_spread; /* of a cone around the path: see texture_shade.c. Kept where the world has textures */
     bool cone_bent;  /* it has gone through a boundary, or off a mirror */
-    float
-        open; /* what part of the light that it looks for is the backdrop's of the picture: see path_follow_from_camera */
+    /* what part of the light that it looks for is the backdrop's of the picture: see path_follow_from_camera */
+    float open;
     bool straight;   /* media do not scatter it: it only looks what is there */
     bool looks;      /* for light that media scatter towards it */
     bool is_photon;  /* it comes from a lamp, and looks for none */

@@ -41,7 +41,8 @@ typedef struct Photon {
     uint32_t number; /* of all that were followed */
     uint32_t way;    /* the same for those that met the same surfaces, and did the same there */
     uint32_t lobe;   /* 1: photons_look_around was here */
-    float more; /* far parts of a sea fill little of the picture, so that their flux counts less: it is 1 + more times that */
+    /* far parts of a sea fill little of the picture, so that their flux counts less: it is 1 + more times that */
+    float more;
 } Photon;
 
 /* What it carries, whatever that counts. */
@@ -65,7 +66,7 @@ typedef struct PhotonTargets {
     double density[PHOTON_TARGETS + PHOTON_TILES];    /* of photons on its surface */
     double more[PHOTON_TARGETS + PHOTON_TILES];       /* see Photon; all areas, less as that counts, are the last sum */
     uint32_t n, n_tiles;                              /* the tiles come last, */
-    int up;                                           /* and go from the bottom to the surface along this axis, 0 .. 2 */
+    int up; /* and go from the bottom to the surface along this axis, 0 .. 2 */
     PhotonLamp *lamps;
     size_t n_lamps;
 } PhotonTargets;
@@ -83,7 +84,8 @@ typedef struct PhotonSource {
     const PhotonTargets *targets;
     float threshold;
     uint32_t seed;
-    const volatile sig_atomic_t *stop; /* NULL, or not 0 to give up: photons that are left then have no flux and no lobe */
+    const volatile sig_atomic_t
+        *stop; /* NULL, or not 0 to give up: photons that are left then have no flux and no lobe */
 } PhotonSource;
 
 /* Follows the photons first .. first + n - 1: number i into photons[i - first], a function of seed and i alone. Their flux is

@@ -14,8 +14,8 @@
 typedef struct PhotonTile {
     Box3 box;
     double part; /* of the photons for the sea; all together: 1 */
-    double
-        more; /* see Photon: the area for a part of the picture, by that which the nearer half of all has, less 1; or 0 */
+    /* see Photon: the area for a part of the picture, by that which the nearer half of all has, less 1; or 0 */
+    double more;
 } PhotonTile;
 
 /* seas: of the scene's objects, those that have no end and bend light. Returns the number of tiles in *n, at most PHOTON_TILES,

@@ -20,16 +20,16 @@
 
 /* Named dimensions. A new one is added at the end of its group, so that the others stay as they are. */
 enum {
-    DIM_PIXEL,             /* 2: place in the pixel's filter; and a third, of what boundaries choose */
-    DIM_LENS,              /* 2 */
-    DIM_WAVELENGTH,        /* 1 */
-    DIM_PATH,              /* the first bounce's group begins here */
-    DIM_TIME = 0x40000000, /* 1: of the shutter; beyond all groups, as it came later */
-    DIM_INDICES = 0x48000000, /* 1: which wavelengths' indices a sample's paths take, see sample.c */
-    DIM_FLIGHTS = 0x50000000, /* keys of the many numbers of flights through media, two for each bounce */
+    DIM_PIXEL,                 /* 2: place in the pixel's filter; and a third, of what boundaries choose */
+    DIM_LENS,                  /* 2 */
+    DIM_WAVELENGTH,            /* 1 */
+    DIM_PATH,                  /* the first bounce's group begins here */
+    DIM_TIME = 0x40000000,     /* 1: of the shutter; beyond all groups, as it came later */
+    DIM_INDICES = 0x48000000,  /* 1: which wavelengths' indices a sample's paths take, see sample.c */
+    DIM_FLIGHTS = 0x50000000,  /* keys of the many numbers of flights through media, two for each bounce */
     DIM_AIRLIGHT = 0x60000000, /* of looks for light within media, see airlight.c */
-    DIM_SHAFTS = 0x68000000, /* of looks for it where photons were scattered, see shaft.c */
-    DIM_PROBES = 0x70000000, /* 2 for each bounce: the direction of a probe, see probe.c */
+    DIM_SHAFTS = 0x68000000,   /* of looks for it where photons were scattered, see shaft.c */
+    DIM_PROBES = 0x70000000,   /* 2 for each bounce: the direction of a probe, see probe.c */
 
     DIM_LOBE = 0,     /* 1: reflect or refract */
     DIM_SCATTER,      /* 2: direction; and a third, of the lobe */

@@ -357,8 +357,9 @@ bool path_shade_opaque(Path *path, Event *event)
  * glass-of-water), 1.1 to 1.15 (cut-glass, cold-glass, tea, minirt), 1.3 (still-life), 1.5 (a glass under an image of a
  * studio). What the way without a lamp brings is seen on trial (backdrop.h): over taking it to be the mean of all directions, squared
  * error 0.62 after the same samples in a dark field (soap-bubbles), 1.00 to 1.01 elsewhere. The following were measured without
- * beacons: both ways followed at the first boundary 1.00 (whisky), 1.08 (glass-of-water), 0.95 (peers' glass); reflection more often by 0.4 R (1 - R)^2 0.93, 0.93, 0.88 there and 0.97
- * (cold-glass, tea), but 1.03 to 1.04 where water is seen from below or from both sides. */
+ * beacons: both ways followed at the first boundary 1.00 (whisky), 1.08 (glass-of-water), 0.95 (peers' glass); reflection more
+ * often by 0.4 R (1 - R)^2 0.93, 0.93, 0.88 there and 0.97 (cold-glass, tea), but 1.03 to 1.04 where water is seen from below or
+ * from both sides. */
 typedef struct BoundaryChoice {
     Vec3f direction;
     Lanes reflectance, chosen; /* as often reflection is chosen, per wavelength */

@@ -87,7 +87,8 @@ static void view_object(const World *world, const SceneSurface *surface, const R
         view->to_texture = &view->composed;
     }
     view->mirrored = affine_determinant(view->to_texture) < 0;
-    Vec3 outward = outward_of(world, surface, ray, hit), normal = affine_outward(view->to_texture, view->mirrored, outward);
+    Vec3 outward = outward_of(world, surface, ray, hit),
+         normal = affine_outward(view->to_texture, view->mirrored, outward);
     if (surface->textures_use_uv) {
         view_uv(frame, at, outward, place);
     } else {

@@ -76,22 +76,24 @@ typedef struct World {
     NestList camera_list;      /* the hulls around the camera's centre */
     bool moves;                /* something does while the shutter is open */
     bool camera_list_moves;    /* and so the camera's hulls may be others at other times */
-    bool lens_crosses;         /* some hull's bounds come near the lens, or the picture plane: look for each ray's real origin, */
-    Lens *lens;                /* but where this knows it; NULL: nowhere */
-    bool has_distant;          /* a light that is infinitely far */
-    bool disperses;            /* some medium does, */
-    bool scatters;             /* and scatters */
-    bool seeks_airlight;       /* and light that it scatters is looked for, see airlight.h */
+    /* some hull's bounds come near the lens, or the picture plane: look for each ray's real origin, */
+    bool lens_crosses;
+    Lens *lens;          /* but where this knows it; NULL: nowhere */
+    bool has_distant;    /* a light that is infinitely far */
+    bool disperses;      /* some medium does, */
+    bool scatters;       /* and scatters */
+    bool seeks_airlight; /* and light that it scatters is looked for, see airlight.h */
     bool no_absorption;
     Trial trial;
     bool has_panes; /* thin sheets that rays towards lights go through */
     bool has_paint; /* boundaries that can be seen between media of one index */
     uint32_t max_bounces;
-    Box3 *mesh_boxes; /* of each shape that is a mesh without coordinates, for texture_uv; NULL: they were not asked for */
+    Box3 *
+        mesh_boxes; /* of each shape that is a mesh without coordinates, for texture_uv; NULL: they were not asked for */
     WavelengthLines *lines;   /* NULL: no light is one */
     ReflectedColor reflected; /* for the albedo that is seen first */
-    uint32_t width, height; /* of the picture: the film's, until render.c sets those that were asked for */
-    SceneCamera camera; /* of the scene, off the surfaces of operands that are none of their combinations */
+    uint32_t width, height;   /* of the picture: the film's, until render.c sets those that were asked for */
+    SceneCamera camera;       /* of the scene, off the surfaces of operands that are none of their combinations */
 } World;
 
 /* pool: whose threads help, or NULL */

@@ -4,13 +4,13 @@
  * geometry (see the Makefile). They note the rays, in order. The rays are then cast again through bare rtcIntersect1 and
  * rtcOccluded1, robust as in the render, on triangles alone: no callback, no list, no double precision, nothing done
  * with the answer. Meshes are as they are in the scene, those that are placed again and again as instances; analytic pieces,
- * which Embree has no notion of, become triangles. So the replay is what a renderer would pay that does nothing but find the surfaces of a tessellated scene.
- * How many of the answers agree with the render's is printed, too: the replay is worth as much as that; and what the same
- * rays take when they are asked again as the render asks them, exactly and past silent surfaces, without anything being
- * done with the answers: what is beyond that is the list, shading, sampling, light and film. What the whole ratio would be if
- * the render cast its rays in packets of eight, all from different paths, and that made nothing else slower, is the least
- * that many paths in flight could come to (by free packets). Last come paths a second of one thread's time: the render's, and
- * what they would be if a renderer did nothing but cast these rays, one by one and in packets.
+ * which Embree has no notion of, become triangles. So the replay is what a renderer would pay that does nothing but find the
+ * surfaces of a tessellated scene. How many of the answers agree with the render's is printed, too: the replay is worth as much as
+ * that; and what the same rays take when they are asked again as the render asks them, exactly and past silent surfaces, without
+ * anything being done with the answers: what is beyond that is the list, shading, sampling, light and film. What the whole ratio
+ * would be if the render cast its rays in packets of eight, all from different paths, and that made nothing else slower, is the
+ * least that many paths in flight could come to (by free packets). Last come paths a second of one thread's time: the render's,
+ * and what they would be if a renderer did nothing but cast these rays, one by one and in packets.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <stdio.h>
 #include <stdlib.h>
@@ -36,8 +36,8 @@ typedef struct Notes {
     size_t n, capacity;
     Question *questions;
     size_t n_questions, questions_capacity, n_asked; /* n_asked: with those that are not kept */
-    const double
-        *steps; /* of each object: how far from its start a ray begins that leaves it, so as not to meet it again */
+    /* of each object: how far from its start a ray begins that leaves it, so as not to meet it again */
+    const double *steps;
 } Notes;
 
 static Notes *notes; /* while a render is noted, by one thread */

@@ -91,8 +91,7 @@ void bench_sampling(char **paths, int n)
     for (int i = 0; i < n; i++) printf("  %-27.27s", file_name(paths[i]));
     printf("\n");
     enum { MOST_SCENES = 16 };
-    static Worth many[COUNT_OF(ways)][MOST_SCENES], some[COUNT_OF(ways)][MOST_SCENES],
-        few[COUNT_OF(ways)][MOST_SCENES];
+    static Worth many[COUNT_OF(ways)][MOST_SCENES], some[COUNT_OF(ways)][MOST_SCENES], few[COUNT_OF(ways)][MOST_SCENES];
     for (int i = 0; i < n && i < MOST_SCENES; i++) {
         Made made;
         made_from_file(&made, paths[i]);

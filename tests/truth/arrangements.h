@@ -58,7 +58,8 @@ static const Arrangement arrangements[] = {
      "capsule seed { interior = gas  from = <-30, -1, 2>  to = <10, 4, 0>  radius = 4 }\n"
      "ellipsoid drop { interior = water  center = <0, 8, 20>  radii = <30, 6, 9>  rotate(y, 25) }\n"
      "cylinder rod { interior = glass  from = <-5, -25, -15>  to = <9, 25, -20>  radius = 6  rounding = 2 }\n"
-     "cone bung { interior = glass  from = <18, -22, 10>  to = <18, 14, 14>  radius_from = 9  radius_to = 4  rounding = 3 }\n"
+     "cone bung { interior = glass  from = <18, -22, 10>  to = <18, 14, 14>  radius_from = 9  radius_to = 4  rounding "
+     "= 3 }\n"
      "lathe vase { interior = ice  curve = cubic  corners = [1]  translate(<-22, -20, 8>)\n"
      "  profile = [<0, 0>, <8, 0>, <9, 1>, <3, 6>, <10, 16>, <6, 30>, <8, 38>, <7, 38>, <5, 30>, <9, 16>, <0, 8>] }\n"
      "camera { from = <40, 90, -150>  to = <0, 0, 0>  fov = 34deg }\n",
@@ -77,15 +78,14 @@ static const Arrangement arrangements[] = {
      "camera { from = <-70, 75, -150>  to = <0, 18, 0>  fov = 34deg }\n",
      true},
     {"neighbours in three schemes", /* [WR19] fig. 11-1: a gap, faces that coincide, an overlap; each with nested balls */
-     ARRANGEMENT_MEDIA_PLAIN
-     "for (k in 0..2) { group { translate(<40 * k - 40, 0, 0>)  let reach = [-.5, 0, 1.5][k]\n"
-     "  box { interior = glass  from = <-12, -14, -12>  to = <12, 0, 12> }\n"
-     "  box { interior = water  from = <-12, -reach, -12>  to = <12, 14, 12> }\n"
-     "  sphere { interior = gas  center = <-4, -6, 0>  radius = 3 }\n"
-     "  sphere { interior = ice  center = <5, 7, 0>  radius = 4 }\n"
-     "  sphere { interior = gas  center = <5, 7, 0>  radius = 2 }\n"
-     "  sphere { interior = ice  center = <0, 0, -5>  radius = 3 } } }\n"
-     "camera { from = <30, 60, -160>  to = <0, 0, 0>  fov = 42deg }\n",
+     ARRANGEMENT_MEDIA_PLAIN "for (k in 0..2) { group { translate(<40 * k - 40, 0, 0>)  let reach = [-.5, 0, 1.5][k]\n"
+                             "  box { interior = glass  from = <-12, -14, -12>  to = <12, 0, 12> }\n"
+                             "  box { interior = water  from = <-12, -reach, -12>  to = <12, 14, 12> }\n"
+                             "  sphere { interior = gas  center = <-4, -6, 0>  radius = 3 }\n"
+                             "  sphere { interior = ice  center = <5, 7, 0>  radius = 4 }\n"
+                             "  sphere { interior = gas  center = <5, 7, 0>  radius = 2 }\n"
+                             "  sphere { interior = ice  center = <0, 0, -5>  radius = 3 } } }\n"
+                             "camera { from = <30, 60, -160>  to = <0, 0, 0>  fov = 42deg }\n",
      false},
     {"combinations", /* a tumbler that is a difference, a drink that overlaps it, a lens, a pierced cube in a drop */
      ARRANGEMENT_MEDIA_PLAIN ARRANGEMENT_FIT
@@ -98,8 +98,10 @@ static const Arrangement arrangements[] = {
      "  rotate(y, 25)  translate(<-4, 26, 2>) }\n"
      "sphere drop { interior = water  center = <-60, 25, 0>  radius = 22 }\n"
      "difference { interior = glass  box { size = <20, 20, 20> }\n"
-     "  union { cylinder { from = <-20, 0, 0>  to = <20, 0, 0>  radius = 6 }  cylinder { from = <0, -20, 0>  to = <0, 20, 0>  radius = 7 }\n"
-     "          difference { sphere { center = <10, 10, 10>  radius = 9 }  box { from = <8, 0, 0>  to = <30, 30, 30> } } }\n"
+     "  union { cylinder { from = <-20, 0, 0>  to = <20, 0, 0>  radius = 6 }  cylinder { from = <0, -20, 0>  to = <0, "
+     "20, 0>  radius = 7 }\n"
+     "          difference { sphere { center = <10, 10, 10>  radius = 9 }  box { from = <8, 0, 0>  to = <30, 30, 30> } "
+     "} }\n"
      "  rotate(<20, 30, 0>)  translate(<-60, 25, 0>) }\n"
      "sphere { interior = gas  center = <3, 12, 8>  radius = 4 }\n"
      "camera { from = <-30, 110, -230>  to = <-20, 26, 0>  fov = 36deg }\n",
@@ -114,11 +116,10 @@ static const Arrangement arrangements[] = {
      "camera { from = <0, 12, 90>  to = <0, 0, 0>  fov = 40deg }\n",
      false},
     {"three overlapping spheres", /* [SB02] fig. 1, with indices that show */
-     ARRANGEMENT_MEDIA
-     "sphere { interior = water  center = <-5, 0, 0>  radius = 10 }\n"
-     "sphere { interior = glass  center = <5, 0, 2>  radius = 10 }\n"
-     "sphere { interior = flint  center = <0, 7, -3>  radius = 10 }\n"
-     "camera { from = <0, 20, -60>  to = <0, 2, 0>  fov = 32deg }\n",
+     ARRANGEMENT_MEDIA "sphere { interior = water  center = <-5, 0, 0>  radius = 10 }\n"
+                       "sphere { interior = glass  center = <5, 0, 2>  radius = 10 }\n"
+                       "sphere { interior = flint  center = <0, 7, -3>  radius = 10 }\n"
+                       "camera { from = <0, 20, -60>  to = <0, 2, 0>  fov = 32deg }\n",
      false},
     {"glass of water, by priorities", /* [SB02] fig. 3: glass over ice over bubbles over water */
      ARRANGEMENT_MEDIA ARRANGEMENT_FIT
@@ -150,18 +151,16 @@ static const Arrangement arrangements[] = {
      "camera { from = <0, 30, -10>  to = <0, 34, 30>  fov = 50deg  expect = [water] }\n",
      false},
     {"camera in an overlap",
-     ARRANGEMENT_MEDIA
-     "sphere { interior = water  center = <0, 0, 0>  radius = 30 }\n"
-     "sphere { interior = glass  center = <0, 0, 25>  radius = 30 }\n"
-     "sphere { interior = ice    center = <10, 0, 15>  radius = 8 }\n"
-     "camera { from = <1, 2, 8>  to = <2, 3, 40>  fov = 40deg }\n",
+     ARRANGEMENT_MEDIA "sphere { interior = water  center = <0, 0, 0>  radius = 30 }\n"
+                       "sphere { interior = glass  center = <0, 0, 25>  radius = 30 }\n"
+                       "sphere { interior = ice    center = <10, 0, 15>  radius = 8 }\n"
+                       "camera { from = <1, 2, 8>  to = <2, 3, 40>  fov = 40deg }\n",
      false},
     {"lens across a water surface",
-     ARRANGEMENT_MEDIA
-     "cylinder pool { interior = water  from = <0, -40, 0>  to = <0, 0, 0>  radius = 60 }\n"
-     "sphere { interior = ice  center = <3, -1, 30>  radius = 9 }\n"
-     "sphere { interior = gas  center = <-8, -6, 25>  radius = 4 }\n"
-     "camera { from = <0, .2, 0>  to = <0, -1, 30>  fov = 40deg  aperture = 2 }\n",
+     ARRANGEMENT_MEDIA "cylinder pool { interior = water  from = <0, -40, 0>  to = <0, 0, 0>  radius = 60 }\n"
+                       "sphere { interior = ice  center = <3, -1, 30>  radius = 9 }\n"
+                       "sphere { interior = gas  center = <-8, -6, 25>  radius = 4 }\n"
+                       "camera { from = <0, .2, 0>  to = <0, -1, 30>  fov = 40deg  aperture = 2 }\n",
      false},
 };
 

@@ -96,11 +96,12 @@ static const struct {
            "camera { from = <-150, 100, 50>  to = <-22, 0, 0>  fov = .001deg }\n",
      1600, 1600},
     {"a floor under a frosted globe with a lamp in it",
-     MEDIA "surface frost { roughness = .35 } ground { surface = surface { albedo = .5 } } environment { color = .05 }\n"
-           "sphere { interior = glass  surface = frost  radius = 40  center = <0, 60, 0> }\n"
-           "sphere { interior = air  surface = frost  radius = 37  center = <0, 60, 0> }\n"
-           "light { shape = \"sphere\"  from = <0, 60, 0>  radius = 4  radiance = 90 }\n"
-           "camera { from = <-150, 100, 50>  to = <-32, 0, 0>  fov = .001deg }\n",
+     MEDIA
+     "surface frost { roughness = .35 } ground { surface = surface { albedo = .5 } } environment { color = .05 }\n"
+     "sphere { interior = glass  surface = frost  radius = 40  center = <0, 60, 0> }\n"
+     "sphere { interior = air  surface = frost  radius = 37  center = <0, 60, 0> }\n"
+     "light { shape = \"sphere\"  from = <0, 60, 0>  radius = 4  radiance = 90 }\n"
+     "camera { from = <-150, 100, 50>  to = <-32, 0, 0>  fov = .001deg }\n",
      500, 3000},
     {"a table with a coat, seen through a glass with a drink in it",
      MEDIA "ground { surface = surface { albedo = .6  ior = 1.5  roughness = .1 } } environment { color = .05 }\n"
@@ -339,10 +340,8 @@ static void guides_unasked(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(closed_forms),
-        cmocka_unit_test(same_mean),
-        cmocka_unit_test(seas_without_end),
-        cmocka_unit_test(any_threads_and_idle_scenes),
+        cmocka_unit_test(closed_forms),     cmocka_unit_test(same_mean),
+        cmocka_unit_test(seas_without_end), cmocka_unit_test(any_threads_and_idle_scenes),
         cmocka_unit_test(guides_unasked),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -344,11 +344,10 @@ static void lamps_of_lines(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(spheres),        cmocka_unit_test(quads),         cmocka_unit_test(discs),
-        cmocka_unit_test(under_a_ceiling),
-        cmocka_unit_test(into_a_cone),    cmocka_unit_test(from_infinity), cmocka_unit_test(in_murk),
-        cmocka_unit_test(bulb_in_murk),   cmocka_unit_test(agree_in_fog),  cmocka_unit_test(through_panes),
-        cmocka_unit_test(lamps_of_lines),
+        cmocka_unit_test(spheres),         cmocka_unit_test(quads),          cmocka_unit_test(discs),
+        cmocka_unit_test(under_a_ceiling), cmocka_unit_test(into_a_cone),    cmocka_unit_test(from_infinity),
+        cmocka_unit_test(in_murk),         cmocka_unit_test(bulb_in_murk),   cmocka_unit_test(agree_in_fog),
+        cmocka_unit_test(through_panes),   cmocka_unit_test(lamps_of_lines),
     };
     return cmocka_run_group_tests_name("direct light", tests, NULL, NULL);
 }

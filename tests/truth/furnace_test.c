@@ -168,11 +168,10 @@ static void ripples_are_furnaces(void **state)
 {
     (void)state;
     static const char *const eyes[] = {"eye=.3", "eye=.1", "eye=-.2"};
-    const char *text =
-        "meniscus 1.0 unit cm param eye = 0 medium water { ior = 1.333 state = liquid } "
-        "height_field { interior = water size = <8, 1, 32> base = -400 translate(<-4, 0, -400>) "
-        "heights = [for (k in 0..<160) [for (i in 0..<40) 5e-4 * rnd(1, i, k)]] } "
-        "camera { from = <0, eye, (eye < 0 ? -369 : 0)> to = <0, 0, -384> fov = (eye < 0 ? 4 : .5) }";
+    const char *text = "meniscus 1.0 unit cm param eye = 0 medium water { ior = 1.333 state = liquid } "
+                       "height_field { interior = water size = <8, 1, 32> base = -400 translate(<-4, 0, -400>) "
+                       "heights = [for (k in 0..<160) [for (i in 0..<40) 5e-4 * rnd(1, i, k)]] } "
+                       "camera { from = <0, eye, (eye < 0 ? -369 : 0)> to = <0, 0, -384> fov = (eye < 0 ? 4 : .5) }";
     for (size_t i = 0; i < COUNT_OF(eyes); i++) {
         char name[80];
         snprintf(name, sizeof name, "ripples as fine as rounding, %s cm", eyes[i]);
@@ -198,7 +197,8 @@ static void long_ways_are_as_bright(void **state)
         "              <sin(a) * cos(b), cos(a), sin(a) * sin(b)>, <0, -1, 0>] "
         "let faces = [for (i in 0..23) <0, 1 + (i + 1) % 24, 1 + i>, "
         "             for (j in 0..13) for (i in 0..23) for (t in [0, 1]) "
-        "             let (a = 1 + 24 * j + i, b = 1 + 24 * j + (i + 1) % 24) t == 0 ? <a, b, a + 24> : <b, b + 24, a + 24>, "
+        "             let (a = 1 + 24 * j + i, b = 1 + 24 * j + (i + 1) % 24) t == 0 ? <a, b, a + 24> : <b, b + 24, a "
+        "+ 24>, "
         "             for (i in 0..23) <361, 337 + i, 337 + (i + 1) % 24>] "
         "mesh { interior = water positions = points triangles = faces } "
         "mesh { interior = oil positions = points triangles = faces } sphere { interior = glass radius = 1 } "
@@ -231,12 +231,9 @@ static void faults_are_none_in_ten_million_crossings(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(arrangements_are_furnaces),
-        cmocka_unit_test(modelling_schemes_are_furnaces),
-        cmocka_unit_test(examples_are_furnaces),
-        cmocka_unit_test(ripples_are_furnaces),
-        cmocka_unit_test(long_ways_are_as_bright),
-        cmocka_unit_test(faults_are_none_in_ten_million_crossings),
+        cmocka_unit_test(arrangements_are_furnaces), cmocka_unit_test(modelling_schemes_are_furnaces),
+        cmocka_unit_test(examples_are_furnaces),     cmocka_unit_test(ripples_are_furnaces),
+        cmocka_unit_test(long_ways_are_as_bright),   cmocka_unit_test(faults_are_none_in_ten_million_crossings),
     };
     return cmocka_run_group_tests_name("furnace", tests, NULL, NULL);
 }

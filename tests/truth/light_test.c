@@ -234,8 +234,8 @@ static void floor_under_a_sky(void **state)
     "let black = surface { albedo = 0 }\n"                                                                             \
     "def piece(a, b) { mesh { positions = [<a.x, 20, a.y>, <b.x, 20, a.y>, <b.x, 20, b.y>, <a.x, 20, b.y>]\n"          \
     "  triangles = [<0, 1, 2>, <0, 2, 3>]  surface = black } }\n"                                                      \
-    "piece(<-500, -500>, <-15, 500>) piece(<15, -500>, <500, 500>) piece(<-15, -500>, <15, -6>)\n"                      \
-    "piece(<-15, 6>, <15, 500>) let side = box { from = <-501, 0, 499>  to = <501, 21, 501>  surface = black }\n"       \
+    "piece(<-500, -500>, <-15, 500>) piece(<15, -500>, <500, 500>) piece(<-15, -500>, <15, -6>)\n"                     \
+    "piece(<-15, 6>, <15, 500>) let side = box { from = <-501, 0, 499>  to = <501, 21, 501>  surface = black }\n"      \
     "for (i in 0..3) { side { rotate(y, 90deg * i) } }\n"
 #define PORTAL(from, to, size) "light { shape = portal  from = " from "  to = " to "  size = " size " }\n"
 
@@ -318,8 +318,8 @@ static void in_water(void **state)
                        "sphere { interior = water  center = <3e5, 0, 0>  radius = 1e6 }\n%s\n",
                  cases[i].light);
         /* what comes back from the water's far surface, which is not concentric, is too little to be seen */
-        truth_expect(cases[i].what, on_floor(cases[i].irradiance) / (1.33 * 1.33), truth_measure(text, NULL, 1024, false), 4,
-                     0.005);
+        truth_expect(cases[i].what, on_floor(cases[i].irradiance) / (1.33 * 1.33),
+                     truth_measure(text, NULL, 1024, false), 4, 0.005);
     }
 }
 
@@ -333,12 +333,14 @@ static void filament_in_a_bulb(void **state)
                        "sphere { interior = glass  radius = 20 } sphere { interior = air  radius = 19 }\n"
                        "sphere { radius = 2  surface = surface { albedo = 0  emission = 1  radiance = 5 } }\n"
                        "camera { from = <0, 0, 200>  to = <0, 0, 0>  fov = .01deg }\n";
-    truth_expect("a glowing ball seen through a bulb", 5 * (1 - r) / (1 + r), truth_measure(bulb, NULL, 4096, false), 4, 0.005);
+    truth_expect("a glowing ball seen through a bulb", 5 * (1 - r) / (1 + r), truth_measure(bulb, NULL, 4096, false), 4,
+                 0.005);
     const char *embedded = "meniscus 1.0 unit mm medium glass { ior = 1.5  state = solid }\n"
                            "sphere { interior = glass  radius = 20 }\n"
                            "sphere { radius = 2  surface = surface { albedo = 0  emission = 1  radiance = 5 } }\n"
                            "camera { from = <0, 0, 200>  to = <0, 0, 0>  fov = .01deg }\n";
-    truth_expect("a glowing ball within glass", 5 / 2.25 * (1 - r), truth_measure(embedded, NULL, 4096, false), 4, 0.005);
+    truth_expect("a glowing ball within glass", 5 / 2.25 * (1 - r), truth_measure(embedded, NULL, 4096, false), 4,
+                 0.005);
 }
 
 /* ---- moving lights ---- */
@@ -366,7 +368,8 @@ static void moving_lights(void **state)
         /* Its axis goes from 45 degrees on one side to 45 on the other, straight in between as the two frames are: by
          * atan(2 t - 1). So the place below is within 30 degrees for tan(30) of the time. */
         {"a spot that turns, first away from the place",
-         "light { shape = spot  from = <0, 20, 0>  to = <-20 + 40 * clock, 0, 0>  angle = 60deg  blend = 0  intensity = 2 "
+         "light { shape = spot  from = <0, 20, 0>  to = <-20 + 40 * clock, 0, 0>  angle = 60deg  blend = 0  intensity "
+         "= 2 "
          "}",
          2 / 400e-6 / sqrt(3)},
         /* Its area's part towards the place below is the same all the way, whatever is squeezed. */
@@ -391,7 +394,8 @@ static void moving_lights(void **state)
          "light { shape = disc  from = <0, 200, 0>  to = <200 * clock, 200 * clock, 0>  radius = .1  radiance = 1e4 }",
          1e4 * TRUTH_PI * .01 / 4e4 / 2},
         {"a quad into a cone that moves along",
-         "light { from = <20 * clock, 20, 0>  to = <20 * clock, 0, 0>  size = <90, 70>  angle = 40deg  blend = 0  radiance = 2 }",
+         "light { from = <20 * clock, 20, 0>  to = <20 * clock, 0, 0>  size = <90, 70>  angle = 40deg  blend = 0  "
+         "radiance = 2 }",
          TRUTH_PI * 2 * pow(sin(TRUTH_PI / 9), 2)},
         {"a quad that looks straight down in the end",
          "light { from = <0, 200, 0>  to = <200 - 200 * clock, 0, 0>  size = <.3, .2>  radiance = 1e4 }",

@@ -119,8 +119,8 @@ static void droplets_in_a_slab(void **state)
     static const struct {
         double diameter_um, nm, degrees, resolution;
     } cases[] = {
-        {20, 450, 3, .02},     {20, 650, 30, .02},    {20, 450, 141, .02},
-        {20, 550, 178.5, .02}, {1000, 460, 143, .02}, {1000, 620, 139.4, .02}, {1000, 620, 129, .02},
+        {20, 450, 3, .02},     {20, 650, 30, .02},      {20, 450, 141, .02},   {20, 550, 178.5, .02},
+        {1000, 460, 143, .02}, {1000, 620, 139.4, .02}, {1000, 620, 129, .02},
     };
     const double extinction = .2, share = 1e-3, degree = TRUTH_PI / 180;
     Arena arena;
@@ -220,12 +220,8 @@ static void grazed_balls(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(furnaces),
-        cmocka_unit_test(transmittance),
-        cmocka_unit_test(single_scattering),
-        cmocka_unit_test(droplets_in_a_slab),
-        cmocka_unit_test(lights_agree),
-        cmocka_unit_test(grazed_balls),
+        cmocka_unit_test(furnaces),           cmocka_unit_test(transmittance), cmocka_unit_test(single_scattering),
+        cmocka_unit_test(droplets_in_a_slab), cmocka_unit_test(lights_agree),  cmocka_unit_test(grazed_balls),
     };
     return cmocka_run_group_tests_name("media", tests, NULL, NULL);
 }

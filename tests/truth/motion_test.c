@@ -183,8 +183,9 @@ static const Look textures[] = {
 
 static const Look volumes[] = {
     {"a ball through its cloud",
-     PUFF CLOUD("volume { function = puff  from = <-2, -2, -2>  to = <2, 2, 2> }")
-     "sphere { interior = cloud  center = <1.5 * t - 1, 0, 0>  radius = 1.5 }\n",
+     PUFF CLOUD(
+         "volume { function = puff  from = <-2, -2, -2>  to = <2, 2, 2> }") "sphere { interior = cloud  center = <1.5 "
+                                                                            "* t - 1, 0, 0>  radius = 1.5 }\n",
      NEAR, 1024, 32, .02},
     {"a box with its cloud",
      PUFF CLOUD("volume { function = puff  from = <-2, -2, -2>  to = <2, 2, 2> }") "box { interior = cloud  size = <4, "

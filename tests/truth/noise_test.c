@@ -232,7 +232,8 @@ static void snells_window(void **state)
 {
     (void)state;
     const char *const defines[] = {"sun=false", NULL}; /* whose light through waves is that of single samples */
-    stated_is_measured((TruthInput){.file = "examples/snells-window.mns", .defines = defines}, false, (const double[2]){0.2, 0.1});
+    stated_is_measured((TruthInput){.file = "examples/snells-window.mns", .defines = defines}, false,
+                       (const double[2]){0.2, 0.1});
 }
 
 /* What stops when its own samples happen to agree is too dark in the mean: lights so small that few paths meet them show it.

@@ -43,18 +43,23 @@ static void beer_lambert(void **state)
          0.04 * 40},
         {"two boxes that overlap merge",
          "box { interior = fog  from = <-50, -50, -10>  to = <50, 50, 5> }\n"
-         "box { interior = fog  from = <-40, -40, 0>  to = <40, 40, 20> }", 0.04 * 30},
+         "box { interior = fog  from = <-40, -40, 0>  to = <40, 40, 20> }",
+         0.04 * 30},
         {"a clear ball cut out of it",
          "box { interior = fog  from = <-50, -50, -10>  to = <50, 50, 20> } sphere { interior = clear  radius = 5 }",
          0.04 * 20},
         {"a thicker ball in it, and a clear one in that",
          "box { interior = fog  from = <-50, -50, -10>  to = <50, 50, 20> }\n"
-         "sphere { interior = thick  radius = 8 } sphere { interior = clear  radius = 3 }", 0.04 * 14 + 0.1 * 10},
+         "sphere { interior = thick  radius = 8 } sphere { interior = clear  radius = 3 }",
+         0.04 * 14 + 0.1 * 10},
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         char text[1000];
-        snprintf(text, sizeof text, "meniscus 1.0 unit mm medium fog { ior = 1  absorption = .04 / 1mm }\n"
-                 "medium clear { ior = 1 } medium thick { ior = 1  absorption = .1 / 1mm }\n%s\n" NARROW_VIEW TRUTH_WHITE_SKY, cases[i].text);
+        snprintf(text, sizeof text,
+                 "meniscus 1.0 unit mm medium fog { ior = 1  absorption = .04 / 1mm }\n"
+                 "medium clear { ior = 1 } medium thick { ior = 1  absorption = .1 / 1mm }\n%s\n" NARROW_VIEW
+                     TRUTH_WHITE_SKY,
+                 cases[i].text);
         truth_expect(cases[i].what, exp(-cases[i].depth), measure(text, NULL, 1024).luminance, 4, 0.00025);
     }
 }
@@ -67,7 +72,8 @@ static void tint_at_depth(void **state)
     static const double tints[][3] = {{.95, .78, .22}, {.8, .95, .88}, {.3, .5, .9}, {.6, .6, .6}};
     for (size_t i = 0; i < COUNT_OF(tints); i++) {
         char text[1000];
-        snprintf(text, sizeof text, "meniscus 1.0 unit mm medium drink { ior = 1  tint = rgb(%g, %g, %g)  depth = 12mm }\n"
+        snprintf(text, sizeof text,
+                 "meniscus 1.0 unit mm medium drink { ior = 1  tint = rgb(%g, %g, %g)  depth = 12mm }\n"
                  "box { interior = drink  from = <-50, -50, 0>  to = <50, 50, 12> }\n" NARROW_VIEW TRUTH_WHITE_SKY,
                  tints[i][0], tints[i][1], tints[i][2]);
         Measured measured = measure(text, NULL, 4096);
@@ -108,8 +114,9 @@ static void lights_on_a_floor(void **state)
     } cases[] = {
         {"sphere above: pi L (r/d)^2", "light { shape = \"sphere\"  from = <0, 30, 0>  radius = 10  radiance = 2 }",
          TRUTH_PI * 2 / 9, NULL},
-        {"sphere aslant: pi L (r/d)^2 cos", "light { shape = \"sphere\"  from = <20, 15, 0>  radius = 10  radiance = 2 }",
-         TRUTH_PI * 2 * 100 / 625 * 0.6, NULL},
+        {"sphere aslant: pi L (r/d)^2 cos",
+         "light { shape = \"sphere\"  from = <20, 15, 0>  radius = 10  radiance = 2 }", TRUTH_PI * 2 * 100 / 625 * 0.6,
+         NULL},
         {"disc above: pi L r^2 / (r^2 + h^2)",
          "light { shape = \"disc\"  from = <0, 20, 0>  to = <0, 0, 0>  radius = 15  radiance = 2 }",
          TRUTH_PI * 2 * 225 / 625, NULL},
@@ -137,8 +144,10 @@ static void lights_on_a_floor(void **state)
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         char text[1000];
-        snprintf(text, sizeof text, "meniscus 1.0 unit mm ground { surface = surface { albedo = .8 } }\n"
-                 "camera { from = <0, 3, 4.5>  to = <0, 0, 0>  fov = .01deg }\n%s\n", cases[i].light);
+        snprintf(text, sizeof text,
+                 "meniscus 1.0 unit mm ground { surface = surface { albedo = .8 } }\n"
+                 "camera { from = <0, 3, 4.5>  to = <0, 0, 0>  fov = .01deg }\n%s\n",
+                 cases[i].light);
         Estimate measured = measure(text, cases[i].sky, 4096).luminance;
         truth_expect(cases[i].what, 0.8 / TRUTH_PI * cases[i].irradiance, measured, 4, 0.00075);
     }
@@ -171,12 +180,14 @@ static void floor_under_water(void **state)
         for (int below = 0; below < 2; below++) {
             char text[1000], what[100];
             double basic = albedos[i] * (1 - inside) / (1 - albedos[i] * inside);
-            snprintf(text, sizeof text, "meniscus 1.0 unit mm medium water { ior = 1.33 }\n"
+            snprintf(text, sizeof text,
+                     "meniscus 1.0 unit mm medium water { ior = 1.33 }\n"
                      "ground { surface = surface { albedo = %g } }\n"
                      "box { interior = water  from = <-1e5, -1, -1e5>  to = <1e5, 10, 1e5> }\n"
                      "camera { from = <0, %d, 0>  to = <0, 0, 0>  up = <0, 0, 1>  fov = 1deg }\n" TRUTH_WHITE_SKY,
                      albedos[i], below ? 5 : 500);
-            snprintf(what, sizeof what, "floor of albedo %g under water, seen from %s", albedos[i], below ? "below" : "above");
+            snprintf(what, sizeof what, "floor of albedo %g under water, seen from %s", albedos[i],
+                     below ? "below" : "above");
             Estimate measured = measure(text, NULL, 4096).luminance;
             truth_expect(what, below ? basic : (1 - r) * basic + r, measured, 4, 0.002);
         }

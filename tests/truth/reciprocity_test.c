@@ -108,7 +108,8 @@ static Outcome walk_lines(const Fixture *scene)
         outcome.lines++;
         outcome.differ += !same_backwards(&there, &back, length, 1e-4 * radius);
     }
-    outcome.faults = (FaultCount){there.crossings + back.crossings, there.silent + back.silent, there.faults + back.faults};
+    outcome.faults =
+        (FaultCount){there.crossings + back.crossings, there.silent + back.silent, there.faults + back.faults};
     return outcome;
 }
 
@@ -123,7 +124,8 @@ static void check(const Arrangement *arrangement, const char *fit, NestPolicy po
     truth_open(&scene, input);
     Outcome outcome = walk_lines(&scene);
     fixture_clear(&scene);
-    snprintf(what, sizeof what, "%s%s%s, %s", arrangement->name, fit ? ", " : "", fit ? fit : "", nest_policy_text(policy));
+    snprintf(what, sizeof what, "%s%s%s, %s", arrangement->name, fit ? ", " : "", fit ? fit : "",
+             nest_policy_text(policy));
     printf("  %-58s %u of %u lines differ from the other end\n", what, outcome.differ, outcome.lines);
     Outcome *sum = policy == NEST_ENTERED ? &entered : &ranked;
     sum->differ += outcome.differ;

@@ -51,11 +51,13 @@ static void snells_window(void **state)
     static const char *const depths[] = {"1", "10"};
     for (size_t i = 0; i < COUNT_OF(depths); i++) {
         char text[1000], what[100];
-        snprintf(text, sizeof text, "meniscus 1.0 unit mm medium water { ior = 1.33 }\n"
+        snprintf(text, sizeof text,
+                 "meniscus 1.0 unit mm medium water { ior = 1.33 }\n"
                  "box { interior = water  from = <-3000, -30, -3000>  to = <3000, 0, 3000> }\n"
                  "ground { y = -20  surface = surface { albedo = 0 } }\n"
-                 "camera { from = <0, -%s, 0>  to = <0, 0, 0>  up = <0, 0, 1>  fov = 110deg  expect = [water] }\n"
-                 TRUTH_WHITE_SKY, depths[i]);
+                 "camera { from = <0, -%s, 0>  to = <0, 0, 0>  up = <0, 0, 1>  fov = 110deg  expect = [water] "
+                 "}\n" TRUTH_WHITE_SKY,
+                 depths[i]);
         Picture picture;
         render_text(text, NULL, PICTURE, SAMPLES, &picture);
         double n_inside = 0, outside = 0, expected = pixels_at(asin(1 / water), 110 * degree, PICTURE);
@@ -198,13 +200,15 @@ static void half_submerged_lens(void **state)
 {
     (void)state;
     enum { PICTURE = 16, SAMPLES = 1024 };
-    static const double heights[] = {-0.7, 0.1, 0.4}; /* of the lens's middle above the water, over its radius of 1 mm */
+    static const double heights[] = {-0.7, 0.1,
+                                     0.4}; /* of the lens's middle above the water, over its radius of 1 mm */
     const double fov = 8 * degree;
     for (size_t i = 0; i < COUNT_OF(heights); i++)
         for (int up = -1; up <= 1; up += 2) { /* all of the picture above the horizon, then all below */
             char text[1000], what[100];
             double pitch = up * 30 * degree;
-            snprintf(text, sizeof text, "meniscus 1.0 unit mm medium water { ior = 1.33 }\n"
+            snprintf(text, sizeof text,
+                     "meniscus 1.0 unit mm medium water { ior = 1.33 }\n"
                      "box { interior = water  from = <-1e5, -200, -1e5>  to = <1e5, 0, 1e5> }\n"
                      "light { from = <0, -100, 0>  to = <0, 0, 0>  size = <90000, 90000>  radiance = .5 }\n"
                      "camera { from = <0, %.17g, 0>  to = <0, %.17g, -1e6>  fov = 8deg  aperture = 2 }\n" TRUTH_SKY,
@@ -297,14 +301,15 @@ static void rainbow(void **state)
         char text[1000];
         /* a side of 40; the ray meets the first face in its middle, half way up */
         double height = 40 * sin(60 * degree), y = height / 2, z = 10;
-        snprintf(text, sizeof text,
-                 "meniscus 1.0 unit mm medium flint { ior = sellmeier(%.9g, %.9g, %.9g, %.10g, %.10g, %.9g) }\n"
-                 "mesh { interior = flint  positions = [<-50, 0, 20>, <-50, 0, -20>, <-50, %.17g, 0>,\n"
-                 "<50, 0, 20>, <50, 0, -20>, <50, %.17g, 0>]\n"
-                 "triangles = [<0, 2, 1>, <3, 4, 5>, <0, 3, 5>, <0, 5, 2>, <1, 2, 5>, <1, 5, 4>, <0, 1, 4>, <0, 4, 3>] }\n"
-                 "camera { from = <0, %.17g, %.17g>  to = <0, %.17g, %.17g>  fov = .005deg }\n" TRUTH_SKY,
-                 flint_b[0], flint_b[1], flint_b[2], flint_c[0], flint_c[1], flint_c[2], height, height,
-                 y - 100 * sin(up), z + 100 * cos(up), y, z);
+        snprintf(
+            text, sizeof text,
+            "meniscus 1.0 unit mm medium flint { ior = sellmeier(%.9g, %.9g, %.9g, %.10g, %.10g, %.9g) }\n"
+            "mesh { interior = flint  positions = [<-50, 0, 20>, <-50, 0, -20>, <-50, %.17g, 0>,\n"
+            "<50, 0, 20>, <50, 0, -20>, <50, %.17g, 0>]\n"
+            "triangles = [<0, 2, 1>, <3, 4, 5>, <0, 3, 5>, <0, 5, 2>, <1, 2, 5>, <1, 5, 4>, <0, 1, 4>, <0, 4, 3>] }\n"
+            "camera { from = <0, %.17g, %.17g>  to = <0, %.17g, %.17g>  fov = .005deg }\n" TRUTH_SKY,
+            flint_b[0], flint_b[1], flint_b[2], flint_c[0], flint_c[1], flint_c[2], height, height, y - 100 * sin(up),
+            z + 100 * cos(up), y, z);
         Picture picture;
         render_text(text, narrow_sky, PICTURE, SAMPLES, &picture);
         float table[SPECTRUM_SAMPLES];
@@ -321,7 +326,10 @@ static void rainbow(void **state)
         for (int c = 0; c < 3; c++) {
             char what[80];
             Estimate channel = truth_mean(&picture, c);
-            snprintf(what, sizeof what, "rainbow, %g nm, %s", wavelengths[i], c == 0 ? "red" : c == 1 ? "green" : "blue");
+            snprintf(what, sizeof what, "rainbow, %g nm, %s", wavelengths[i],
+                     c == 0   ? "red"
+                     : c == 1 ? "green"
+                              : "blue");
             truth_figure(what, expected[c], channel.mean, channel.error);
             /* of the panorama's rows of 0.09 degrees */
             assert_near(channel.mean, expected[c], 4 * channel.error + 0.004 * largest);
@@ -349,7 +357,8 @@ static LineColumns columns_of(const char *color, double middle_nm)
              "prism { interior = flint  from = -5  to = 5\n"
              "  outline = [<-10 * sin(30), -10 * cos(30)>, <10 * sin(30), -10 * cos(30)>, <0, 0>] }\n"
              "let middle = <0, 0, -5 * cos(30)>  let a = %.17g\n"
-             "light { shape = distant  from = middle + 10 * <cos(a), 0, -sin(a)>  to = middle  angle = .002deg  radiance = 100\n"
+             "light { shape = distant  from = middle + 10 * <cos(a), 0, -sin(a)>  to = middle  angle = .002deg  "
+             "radiance = 100\n"
              "  color = %s }\n"
              "camera { from = middle + 30 * <-cos(a), 0, -sin(a)>  to = middle  fov = .06deg }\n",
              flint_b[0], flint_b[1], flint_b[2], flint_c[0], flint_c[1], flint_c[2], out / degree, color);
@@ -357,7 +366,8 @@ static LineColumns columns_of(const char *color, double middle_nm)
     render_text(text, NULL, SPECTRUM_COLUMNS, 256, &picture);
     /* as the way back: a column's ray leaves towards the light, and so its wavelength, which is linear in so small an angle */
     double passed, slope = (through_prism(incidence, flint(middle_nm + d), &passed) -
-                            through_prism(incidence, flint(middle_nm - d), &passed)) / (2 * d);
+                            through_prism(incidence, flint(middle_nm - d), &passed)) /
+                           (2 * d);
     LineColumns columns;
     for (uint32_t x = 0; x < SPECTRUM_COLUMNS; x++) {
         /* at least deviation an angle more at the first face is as much less at the second */
@@ -391,7 +401,8 @@ static void lines_through_a_prism(void **state)
     double found[3], other[3];
     for (size_t i = 0; i < COUNT_OF(places); i++) {
         char color[100], what[100];
-        snprintf(color, sizeof color, "spectrum([<%.1f, 0>, <%.1f, 1>, <%.1f, 0>])", places[i] - 0.1, places[i], places[i] + 0.1);
+        snprintf(color, sizeof color, "spectrum([<%.1f, 0>, <%.1f, 1>, <%.1f, 0>])", places[i] - 0.1, places[i],
+                 places[i] + 0.1);
         LineColumns columns = columns_of(color, places[i]);
         moments_between(&columns, places[i] - 2, places[i] + 2, found);
         snprintf(what, sizeof what, "line at %g nm: where, in nm", places[i]);
@@ -431,7 +442,8 @@ static double chroma(const char *text)
         for (uint32_t x = 0; x < PICTURE; x++) {
             double grey[2] = {truth_luminance(&picture[0], x, y), truth_luminance(&picture[1], x, y)};
             for (int c = 0; c < 3; c++)
-                coloured += (truth_channel(&picture[0], x, y, c) - grey[0]) * (truth_channel(&picture[1], x, y, c) - grey[1]) / 3;
+                coloured += (truth_channel(&picture[0], x, y, c) - grey[0]) *
+                            (truth_channel(&picture[1], x, y, c) - grey[1]) / 3;
             bright += grey[0] * grey[1];
         }
     truth_clear(&picture[0]);
@@ -450,24 +462,23 @@ static void fire(void **state)
                  "meniscus 1.0 unit mm use \"std/gems.mns\" as gems use \"std/media.mns\" as media\n"
                  "medium plain { ior = 2.4175 }\n"
                  "gems.round_brilliant { radius = 5  interior = %s }\n"
-                 "for (i in 0..4) { light { shape = sphere  from = <60 * cos(72 * i), 90, 60 * sin(72 * i)>  radius = 8  radiance = 40 } }\n"
+                 "for (i in 0..4) { light { shape = sphere  from = <60 * cos(72 * i), 90, 60 * sin(72 * i)>  radius = "
+                 "8  radiance = 40 } }\n"
                  "camera { from = <0, 40, 12>  to = <0, 0, 0>  fov = 14deg }\n" TRUTH_WHITE_SKY,
                  i ? "media.diamond" : "plain");
         value[i] = chroma(text);
     }
-    print_message("      chroma of a diamond %.3f, of a stone of its index that does not disperse %.3f\n", value[1], value[0]);
+    print_message("      chroma of a diamond %.3f, of a stone of its index that does not disperse %.3f\n", value[1],
+                  value[0]);
     assert_true(value[1] > 0.05 && value[0] < 0.2 * value[1]);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(snells_window),
-        cmocka_unit_test(apparent_depth),
-        cmocka_unit_test(prism),
-        cmocka_unit_test(half_submerged_lens),
-        cmocka_unit_test(rainbow),
-        cmocka_unit_test(lines_through_a_prism),
+        cmocka_unit_test(snells_window), cmocka_unit_test(apparent_depth),
+        cmocka_unit_test(prism),         cmocka_unit_test(half_submerged_lens),
+        cmocka_unit_test(rainbow),       cmocka_unit_test(lines_through_a_prism),
         cmocka_unit_test(fire),
     };
     return cmocka_run_group_tests_name("refraction", tests, NULL, NULL);

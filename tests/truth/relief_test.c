@@ -6,7 +6,8 @@
 
 enum { WIDTH = 24 };
 
-#define HEAD "meniscus 1.0 unit m medium glass { ior = 1.5  state = solid } medium water { ior = 1.33  state = liquid }\n"
+#define HEAD                                                                                                           \
+    "meniscus 1.0 unit m medium glass { ior = 1.5  state = solid } medium water { ior = 1.33  state = liquid }\n"
 #define VIEW " camera { from = <0, 0, 6>  to = <0, 0, 0>  fov = 22deg } "
 
 /* Slopes of about 45 degrees, and of 85. */
@@ -28,7 +29,8 @@ static void white_furnaces(void **state)
         "sphere { interior = glass surface = surface { roughness = .4 %s } }",
         /* nested and overlapping: which side a ray is on is the surface's to say, whatever its relief; truth_render_text
          * takes no fault of nesting */
-        "sphere { interior = glass surface = surface { %s } } sphere { interior = water center = <.4, .2, 0> radius = .9 "
+        "sphere { interior = glass surface = surface { %s } } sphere { interior = water center = <.4, .2, 0> radius = "
+        ".9 "
         "surface = surface { roughness = .3 bump = noise { scale(.1) } bump_height = .1 } } "
         "sphere { interior = air radius = .3 surface = surface { bump = crackle { scale(.1) } bump_height = 1 } }",
         "box { size = <1.6, 1.6, 1.6> rotate(<20, 30, 0>) surface = surface { albedo = 1 ior = 1.5 roughness = .5 %s } "
@@ -134,7 +136,8 @@ static double luminance_error(const Picture *a, const Picture *b)
     double sum = 0;
     for (uint32_t y = 0; y < a->image.height; y++)
         for (uint32_t x = 0; x < a->image.width; x++)
-            sum += pow(truth_luminance(a, x, y) - truth_luminance(b, x, y), 2) / ((double)a->image.width * a->image.height);
+            sum += pow(truth_luminance(a, x, y) - truth_luminance(b, x, y), 2) /
+                   ((double)a->image.width * a->image.height);
     return sqrt(sum);
 }
 
@@ -147,8 +150,9 @@ static void far_patterns_are_averaged(void **state)
         {"directly", "camera { from = <0, 1, 0>  to = <0, .75, 5>  fov = 20deg }"},
         {"through a pane", "camera { from = <0, 1, 0>  to = <0, .75, 5>  fov = 20deg } "
                            "box { from = <-2, -1, 1>  to = <2, 3, 1.1>  interior = glass }"},
-        {"in a mirror", "camera { from = <0, 1, 0>  to = <0, 1.1, -5>  fov = 20deg } "
-                        "box { from = <-9, -1, -9>  to = <9, 9, -8>  surface = surface { metalness = 1  albedo = 1 } }"},
+        {"in a mirror",
+         "camera { from = <0, 1, 0>  to = <0, 1.1, -5>  fov = 20deg } "
+         "box { from = <-9, -1, -9>  to = <9, 9, -8>  surface = surface { metalness = 1  albedo = 1 } }"},
     };
     static const char *const squares[] = {"checker { from = .1  to = .9  scale(.1) }",
                                           "formula { function = squares  from = .1  to = .9  scale(.1) }"};

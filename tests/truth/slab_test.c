@@ -16,7 +16,7 @@ enum { MOST = 5, WIDTH = 32, SAMPLES = 384, SAMPLES_COMPARED = 32 };
 /* From the outside in: neighbours differ in thickness, so that the automatic order is known. */
 static const double iors[MOST] = {1.5, 1.33, 1.7, 1.31, 2.0};
 static const double sigmas[MOST] = {0.02, 0.007, 0.03, 0.01, 0.02}; /* per mm */
-static const double depths[MOST] = {3, 2, 4, 1.5, 5};             /* mm */
+static const double depths[MOST] = {3, 2, 4, 1.5, 5};               /* mm */
 /* Half widths of nested hulls: a rod fits into the box around it, a box into the rod around that. */
 static const double widths[MOST] = {40, 38, 26, 24, 16};
 
@@ -56,7 +56,8 @@ static Stack closed_form(int k)
 }
 
 /* One slab from z0 to z1. Boxes are triangles in float, rods exact in double: where they touch, both must agree. */
-static void write_slab(Buf *text, int medium, bool rod, double width, const double z[2], NestPolicy policy, int priority)
+static void write_slab(Buf *text, int medium, bool rod, double width, const double z[2], NestPolicy policy,
+                       int priority)
 {
     if (rod)
         buf_format(text, "cylinder { interior = m%d  from = <0, 0, %.17g>  to = <0, 0, %.17g>  radius = %g", medium,
@@ -107,7 +108,8 @@ static void render_case(Case c, Picture *picture)
 {
     Buf text = {0};
     buf_format(&text, "meniscus 1.0 unit mm\n");
-    for (int i = 0; i < c.k; i++) buf_format(&text, "medium m%d { ior = %g  absorption = %g / 1mm }\n", i, iors[i], sigmas[i]);
+    for (int i = 0; i < c.k; i++)
+        buf_format(&text, "medium m%d { ior = %g  absorption = %g / 1mm }\n", i, iors[i], sigmas[i]);
     write_stack(&text, c.k, c.scheme, c.policy);
     buf_format(&text, "light { from = <0, 0, %d>  to = <0, 0, 0>  size = <100, 100> }\n", c.reflected ? 2000 : -1000);
     buf_format(&text, "camera { from = <0, 0, 1000>  to = <0, 0, 0>  fov = .05deg }\n");
@@ -156,7 +158,8 @@ static void schemes_and_policies_agree(void **state)
             Picture first, other;
             render_case((Case){k, NESTED, NEST_AUTOMATIC, reflected, SAMPLES_COMPARED}, &first);
             for (size_t p = 0; p < COUNT_OF(policies); p++)
-                for (Scheme scheme = NESTED; scheme <= (policies[p] == NEST_ENTERED ? COINCIDENT : OVERLAPPING); scheme++) {
+                for (Scheme scheme = NESTED; scheme <= (policies[p] == NEST_ENTERED ? COINCIDENT : OVERLAPPING);
+                     scheme++) {
                     render_case((Case){k, scheme, policies[p], reflected, SAMPLES_COMPARED}, &other);
                     largest = fmax(largest, truth_largest_difference(&first, &other));
                     truth_clear(&other);

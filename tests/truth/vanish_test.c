@@ -33,7 +33,7 @@ static void expect_same_bits(const char *what, const Picture *a, const Picture *
     "medium glass { ior = 1.5  absorption = .02 / 1mm  state = solid }\n"                                              \
     "medium water { ior = 1.33 state = liquid }\n"
 #define SURROUNDINGS                                                                                                   \
-    TRUTH_SKY "ground { y = -20  surface = surface { albedo = .6  pattern = \"checker\"  check_size = 7 } }\n"           \
+    TRUTH_SKY "ground { y = -20  surface = surface { albedo = .6  pattern = \"checker\"  check_size = 7 } }\n"         \
               "camera { from = <10, 25, 70>  to = <0, 0, 0>  fov = 50deg  aperture = 1 }\n"
 
 static const NestPolicy policies[] = {NEST_AUTOMATIC, NEST_PRIORITY, NEST_ENTERED};
@@ -66,9 +66,12 @@ static void water_in_water_vanishes(void **state)
     for (size_t i = 0; i < COUNT_OF(policies); i++) {
         Picture with, without;
         char text[2000];
-        snprintf(text, sizeof text, "%s%s%s", HEAD "world { medium = water } medium same { ior = 1.33 }\n"
-                 "box { interior = same size = <40, 30, 40> rotate(<10, 20, 0>) } sphere { interior = water radius = 14 }\n",
-                 body, SURROUNDINGS);
+        snprintf(
+            text, sizeof text, "%s%s%s",
+            HEAD
+            "world { medium = water } medium same { ior = 1.33 }\n"
+            "box { interior = same size = <40, 30, 40> rotate(<10, 20, 0>) } sphere { interior = water radius = 14 }\n",
+            body, SURROUNDINGS);
         render_text(text, policies[i], 0, &with);
         snprintf(text, sizeof text, "%s%s%s", HEAD "world { medium = water }\n", body, SURROUNDINGS);
         render_text(text, policies[i], 0, &without);
@@ -83,13 +86,15 @@ static void water_in_water_vanishes(void **state)
 static void what_is_inside_glass_vanishes(void **state)
 {
     (void)state;
-    static const char *const block = "box { interior = glass  size = <30, 24, 20>  bevel = 2  priority = 3  rotate(y, 25) }\n";
+    static const char *const block =
+        "box { interior = glass  size = <30, 24, 20>  bevel = 2  priority = 3  rotate(y, 25) }\n";
     Picture with, without;
     char text[2000];
-    snprintf(text, sizeof text, "%s%s%s", HEAD "medium twin { ior = 1.5  absorption = .02 / 1mm }\n", block,
-             "sphere { interior = glass  radius = 8  priority = 9 }\n"
-             "sphere { interior = water  center = <3, 0, 0>  radius = 8  priority = 1 }\n"
-             "cylinder { interior = twin  from = <-5, -6, 0>  to = <5, 6, 0>  radius = 3  priority = 7 }\n" SURROUNDINGS);
+    snprintf(
+        text, sizeof text, "%s%s%s", HEAD "medium twin { ior = 1.5  absorption = .02 / 1mm }\n", block,
+        "sphere { interior = glass  radius = 8  priority = 9 }\n"
+        "sphere { interior = water  center = <3, 0, 0>  radius = 8  priority = 1 }\n"
+        "cylinder { interior = twin  from = <-5, -6, 0>  to = <5, 6, 0>  radius = 3  priority = 7 }\n" SURROUNDINGS);
     render_text(text, NEST_PRIORITY, 0, &with);
     snprintf(text, sizeof text, "%s%s%s", HEAD, block, SURROUNDINGS);
     render_text(text, NEST_PRIORITY, 0, &without);

@@ -188,7 +188,8 @@ static void sums_do_not_overflow(void **state)
     }
 }
 
-/* Where media scatter, what is met first is looked for by itself: that is no ray of the path, by which adaptive renders share samples out. */
+/* Where media scatter, what is met first is looked for by itself: that is no ray of the path, by which adaptive renders share
+ * samples out. */
 static void looks_are_not_counted(void **state)
 {
     (void)state;
@@ -263,10 +264,10 @@ static double mean_of(const Image *image, const char *channel)
 /* A camera that looks straight along -z at a wall at z = -5, and something before it. */
 #define BEHIND(before)                                                                                                 \
     FIXTURE_MEDIA                                                                                                      \
-        "medium milk { ior = 1.33  scattering = .35 } medium fog { ior = 1  scattering = .35 } "                       \
-        "let _all = [milk, fog] " before " film { filter = box } "                                                     \
-        "box wall { from = <-99, -99, -6> to = <99, 99, -5> surface = surface { albedo = rgb(.5, .25, .125) } } "      \
-        "camera { from = <0, 0, 50> to = <0, 0, 0> projection = orthographic width = 4 } environment { } "
+    "medium milk { ior = 1.33  scattering = .35 } medium fog { ior = 1  scattering = .35 } "                           \
+    "let _all = [milk, fog] " before " film { filter = box } "                                                         \
+    "box wall { from = <-99, -99, -6> to = <99, 99, -5> surface = surface { albedo = rgb(.5, .25, .125) } } "          \
+    "camera { from = <0, 0, 50> to = <0, 0, 0> projection = orthographic width = 4 } environment { } "
 
 typedef struct Behind {
     const char *before;

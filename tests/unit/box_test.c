@@ -62,7 +62,8 @@ static void test_chamfer(void **state)
     assert_null(mesh->normals);
     /* the inner box, its six slabs, twelve triangular prisms, eight tetrahedra */
     double ia = a - 2 * h, ib = b - 2 * h, ic = c - 2 * h;
-    assert_near(report.volume, ia * ib * ic + 2 * h * (ia * ib + ib * ic + ic * ia) + 2 * h * h * (ia + ib + ic) + 8 * h * h * h / 6,
+    assert_near(report.volume,
+                ia * ib * ic + 2 * h * (ia * ib + ib * ic + ic * ia) + 2 * h * h * (ia + ib + ic) + 8 * h * h * h / 6,
                 1e-12);
     mesh_free(mesh);
 }
@@ -72,7 +73,8 @@ static void test_rounded(void **state)
     (void)state;
     const double a = 2, b = 3, c = 4, r = 0.25;
     double ia = a - 2 * r, ib = b - 2 * r, ic = c - 2 * r;
-    double volume = ia * ib * ic + 2 * r * (ia * ib + ib * ic + ic * ia) + pi * r * r * (ia + ib + ic) + 4 * pi / 3 * r * r * r;
+    double volume =
+        ia * ib * ic + 2 * r * (ia * ib + ib * ic + ic * ia) + pi * r * r * (ia + ib + ic) + 4 * pi / 3 * r * r * r;
     double area = 2 * (ia * ib + ib * ic + ic * ia) + 2 * pi * r * (ia + ib + ic) + 4 * pi * r * r;
     double error_before = HUGE_VAL;
     for (unsigned segments = 2; segments <= 32; segments *= 2) {

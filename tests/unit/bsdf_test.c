@@ -136,7 +136,8 @@ static void samples_follow_the_density(void **unused)
     printf("%d surfaces, 3 views: worst chi-square %.1f sigmas, largest difference of the whole %.4f\n",
            (int)BSDF_CASES, worst, worst_total);
     assert_true(worst < 5);
-    assert_true(worst_total < 0.012); /* of stretched boundaries: what their facets leave is not quite what the table says */
+    assert_true(worst_total <
+                0.012); /* of stretched boundaries: what their facets leave is not quite what the table says */
 }
 
 /* A surface whose layers were made before reflects as one whose layers are made anew, but for what tables are off. */
@@ -238,7 +239,8 @@ static void any_surface_is_consistent(void **unused)
     printf("  both ways apart by at most %.2g of the value: ", worst_way);
     spec_print(&worst_way_spec, 0);
     assert_true(worst < 5);
-    assert_true(worst_total < 0.012); /* of stretched boundaries: what their facets leave is not quite what the table says */
+    assert_true(worst_total <
+                0.012); /* of stretched boundaries: what their facets leave is not quite what the table says */
     assert_true(worst_way < 2e-3);
 }
 
@@ -606,12 +608,17 @@ static void speed_is_printed(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(samples_follow_the_density), cmocka_unit_test(balanced_boundaries_are_reciprocal),
-        cmocka_unit_test(any_surface_is_consistent),  cmocka_unit_test(weights_are_what_is_evaluated),
-        cmocka_unit_test(both_ways_are_alike),        cmocka_unit_test(nothing_breaks_it),
-        cmocka_unit_test(smooth_is_the_limit),        cmocka_unit_test(sheets_lean_towards_light),
+        cmocka_unit_test(samples_follow_the_density),
+        cmocka_unit_test(balanced_boundaries_are_reciprocal),
+        cmocka_unit_test(any_surface_is_consistent),
+        cmocka_unit_test(weights_are_what_is_evaluated),
+        cmocka_unit_test(both_ways_are_alike),
+        cmocka_unit_test(nothing_breaks_it),
+        cmocka_unit_test(smooth_is_the_limit),
+        cmocka_unit_test(sheets_lean_towards_light),
         cmocka_unit_test(panes_reflect_each_polarization),
-        cmocka_unit_test(kept_layers_are_the_same),   cmocka_unit_test(speed_is_printed),
+        cmocka_unit_test(kept_layers_are_the_same),
+        cmocka_unit_test(speed_is_printed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

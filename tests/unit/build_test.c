@@ -104,8 +104,8 @@ static void phases_that_were_measured(void **state)
     fixture_clear(&f);
 }
 
-#define DISPERSING \
-    "medium m { ior = cauchy(1.3239, 3.1e-3)  tint = rgb(.5, .25, .125)  depth = 1 } medium t { ior = 1.5 }" \
+#define DISPERSING                                                                                                     \
+    "medium m { ior = cauchy(1.3239, 3.1e-3)  tint = rgb(.5, .25, .125)  depth = 1 } medium t { ior = 1.5 }"           \
     "sphere a { interior = m } sphere b { interior = t }"
 
 static void dispersion_can_be_left_out(void **state)
@@ -195,7 +195,8 @@ static void surfaces_are_diffuse_or_checkered(void **state)
     static const struct {
         Vec3 p;
         double albedo;
-    } places[] = {{{1, 0, 1}, .8}, {{4, 0, 1}, .2}, {{4, 0, 4}, .8}, {{-1, 1, 1}, .2}, {{1, 1.6, 1}, .2}, {{1, -1.6, 1}, .2}};
+    } places[] = {{{1, 0, 1}, .8},  {{4, 0, 1}, .2},   {{4, 0, 4}, .8},
+                  {{-1, 1, 1}, .2}, {{1, 1.6, 1}, .2}, {{1, -1.6, 1}, .2}};
     for (size_t i = 0; i < COUNT_OF(places); i++) {
         TexturePlace at = {.world = places[i].p, .object = {9, 9, 9}};
         assert_near((double)texture_number_at(f.scene->textures, s->textures[0].texture, &at), places[i].albedo, 1e-4);
@@ -231,8 +232,10 @@ static void volumes_are_exact(void **state)
         {"torus { interior = glass radius = 2 tube = .5 }", pi},
         {"capsule { interior = glass to = <0, 0, 5> radius = 2 }", 20 + 32 / 3.0},
         {"cylinder { interior = glass to = <4, 0, 0> radius = 2 rounding = 2 }", 32 / 3.0},
-        {"cone { interior = glass to = <0, 4, 0> radius_from = 3 rounding = 1.5 }", 4.5}, /* what is left is its inscribed ball */
-        {"lathe { interior = glass profile = [<0, 0>, <2, 0>, <2, 5>, <0, 5>] curve = cubic corners = [0, 1, 2, 3] }", 20},
+        {"cone { interior = glass to = <0, 4, 0> radius_from = 3 rounding = 1.5 }",
+         4.5}, /* what is left is its inscribed ball */
+        {"lathe { interior = glass profile = [<0, 0>, <2, 0>, <2, 5>, <0, 5>] curve = cubic corners = [0, 1, 2, 3] }",
+         20},
         {"group { scale(2) sphere { interior = glass } }", 32 / 3.0},
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
@@ -328,7 +331,8 @@ static void wrong_shapes_are_refused(void **state)
     REFUSED(CAN "tolerance = 1 }", D_CONFLICTING_PROPERTIES);
     REFUSED(CAN "curve = cubic rounding = .1 }", D_CONFLICTING_PROPERTIES);
     REFUSED(CAN "curve = cubic smooth = true }", D_CONFLICTING_PROPERTIES);
-    REFUSED("lathe { interior = glass curve = bezier profile = [<0, 0>, <1, 0>, <1, 1>, <0, 1>, <0, 0>] }", D_DEGENERATE_SHAPE);
+    REFUSED("lathe { interior = glass curve = bezier profile = [<0, 0>, <1, 0>, <1, 1>, <0, 1>, <0, 0>] }",
+            D_DEGENERATE_SHAPE);
 #undef CAN
     REFUSED("lathe { interior = glass profile = [<0, 0>, <1, 1>] }", D_DEGENERATE_SHAPE);
     REFUSED("lathe { interior = glass profile = [<0, 0>, <-1, 1>, <1, 1>] }", D_DEGENERATE_SHAPE);
@@ -566,7 +570,8 @@ static void environments_are_colours_or_images(void **state)
     /* one that is too wide is not taken as black */
     image_pixel = 1;
     image_width = 1 << 18;
-    snprintf(text, sizeof text, "meniscus 1.0 unit mm environment { image = \"%s\" } camera { from = <0, 0, 1> }", path);
+    snprintf(text, sizeof text, "meniscus 1.0 unit mm environment { image = \"%s\" } camera { from = <0, 0, 1> }",
+             path);
     fixture_build(&f, text, &options);
     assert_int_equal(f.status, STATUS_SCENE);
     assert_non_null(strstr(fixture_find(&f, D_IMAGE_INVALID)->text, "262144 by 1 pixels"));
@@ -590,7 +595,8 @@ static void environments_are_functions(void **state)
     for (int i = 0; i < 2; i++) {
         char text[1000];
         snprintf(text, sizeof text,
-                 "meniscus 1.0 unit mm def sky(p, normal) = rgb(1 + p.x, 2 + p.y, 3 + %d * p.z + max(0, normal.z)) def even(x, y, z) = 2 "
+                 "meniscus 1.0 unit mm def sky(p, normal) = rgb(1 + p.x, 2 + p.y, 3 + %d * p.z + max(0, normal.z)) def "
+                 "even(x, y, z) = 2 "
                  "environment { function = sky  strength = 2 } camera { from = <0, 0, 1> }",
                  i);
         fixture_build(&f, text, &(SceneOptions){0});
@@ -609,15 +615,20 @@ static void environments_are_functions(void **state)
     static const struct {
         const char *text;
         DiagCode code;
-    } refused[] = {{"function = low", D_VALUE_OUT_OF_RANGE},          {"function = nothing", D_VALUE_OUT_OF_RANGE},
-                   {"sky = clear  color = 1", D_CONFLICTING_PROPERTIES}, {"function = good  sky = clear", D_CONFLICTING_PROPERTIES},
-                   {"resolution = 64", D_CONFLICTING_PROPERTIES},     {"color = good", D_WRONG_TYPE},
-                   {"function = good  resolution = 8", D_VALUE_OUT_OF_RANGE}, {"function = good  strength = 1e35", D_VALUE_OUT_OF_RANGE}};
+    } refused[] = {{"function = low", D_VALUE_OUT_OF_RANGE},
+                   {"function = nothing", D_VALUE_OUT_OF_RANGE},
+                   {"sky = clear  color = 1", D_CONFLICTING_PROPERTIES},
+                   {"function = good  sky = clear", D_CONFLICTING_PROPERTIES},
+                   {"resolution = 64", D_CONFLICTING_PROPERTIES},
+                   {"color = good", D_WRONG_TYPE},
+                   {"function = good  resolution = 8", D_VALUE_OUT_OF_RANGE},
+                   {"function = good  strength = 1e35", D_VALUE_OUT_OF_RANGE}};
     for (size_t i = 0; i < COUNT_OF(refused); i++) {
         char text[1000];
         snprintf(text, sizeof text,
                  "meniscus 1.0 unit mm def good(p) = 1 + p.x def low(p) = p.y def nothing(p) = 1 / max(0, p.y) "
-                 "environment { %s } camera { from = <0, 0, 1> }", refused[i].text);
+                 "environment { %s } camera { from = <0, 0, 1> }",
+                 refused[i].text);
         fixture_refused(text, refused[i].code);
     }
 }
@@ -668,7 +679,8 @@ static void settings_reach_the_scene(void **state)
 {
     (void)state;
     Fixture f;
-    GOOD(&f, "film { size = <320, 200> filter = box output = \"a.exr\" } render { samples = 7 noise = .01 bounces = 3 nesting = "
+    GOOD(&f, "film { size = <320, 200> filter = box output = \"a.exr\" } render { samples = 7 noise = .01 bounces = 3 "
+             "nesting = "
              "entered seed = 9 }");
     assert_int_equal(f.scene->film.width, 320);
     assert_int_equal(f.scene->film.height, 200);
@@ -751,8 +763,9 @@ static void the_hash_is_of_the_meaning(void **state)
     assert_true(hash_of("light { shape = distant to = <1, 0, 0> }") ==
                 hash_of("light { shape = distant to = <1, 0, 0> visible = true }"));
     /* lines between the wavelengths that tables keep */
-    assert_true(hash_of("light { shape = distant to = <1, 0, 0> color = spectrum([<583, 0>, <583.1, 1>, <583.2, 0>]) }") !=
-                hash_of("light { shape = distant to = <1, 0, 0> color = spectrum([<583, 0>, <583.15, 1>, <583.2, 0>]) }"));
+    assert_true(
+        hash_of("light { shape = distant to = <1, 0, 0> color = spectrum([<583, 0>, <583.1, 1>, <583.2, 0>]) }") !=
+        hash_of("light { shape = distant to = <1, 0, 0> color = spectrum([<583, 0>, <583.15, 1>, <583.2, 0>]) }"));
 }
 
 /* What has no effect, or does not go together, is refused; so is each number outside of its range. */
@@ -790,14 +803,27 @@ static void surfaces_are_checked(void **state)
     };
     for (size_t i = 0; i < COUNT_OF(in_conflict); i++) fixture_refused(in_conflict[i], D_CONFLICTING_PROPERTIES);
     static const char *const out_of_range[] = {
-        ON("albedo = -.1"),         ON("albedo = rgb(.5, 1.1, .5)"), ON("ior = 0"),
-        ON("ior = -1.5"),           ON("roughness = 1.1"),           ON("roughness = -.1"),
-        ON("diffuse_roughness = 2"), ON("ior = 1.5 specular = 2"),    ON("metalness = -1"),
-        ON("metal = gold anisotropy = 1.5"), ON("coat = 1.5"),        ON("coat = 1 coat_ior = .5"),
-        ON("coat = 1 coat_roughness = 3"),   ON("coat = 1 coat_tint = 2"), ON("fuzz = -.5"),
-        ON("fuzz = 1 fuzz_color = 3"),       ON("fuzz = 1 fuzz_roughness = -1"),
-        ON("thin = true ior = 1.5 transmission = 1.2"), ON("thin = true translucency = 7"),
-        ON("thin = true ior = 1.5 transmission = 1 film = -1"), ON("thin = true ior = 1.5 transmission = 1 tint = 2"),
+        ON("albedo = -.1"),
+        ON("albedo = rgb(.5, 1.1, .5)"),
+        ON("ior = 0"),
+        ON("ior = -1.5"),
+        ON("roughness = 1.1"),
+        ON("roughness = -.1"),
+        ON("diffuse_roughness = 2"),
+        ON("ior = 1.5 specular = 2"),
+        ON("metalness = -1"),
+        ON("metal = gold anisotropy = 1.5"),
+        ON("coat = 1.5"),
+        ON("coat = 1 coat_ior = .5"),
+        ON("coat = 1 coat_roughness = 3"),
+        ON("coat = 1 coat_tint = 2"),
+        ON("fuzz = -.5"),
+        ON("fuzz = 1 fuzz_color = 3"),
+        ON("fuzz = 1 fuzz_roughness = -1"),
+        ON("thin = true ior = 1.5 transmission = 1.2"),
+        ON("thin = true translucency = 7"),
+        ON("thin = true ior = 1.5 transmission = 1 film = -1"),
+        ON("thin = true ior = 1.5 transmission = 1 tint = 2"),
         ON("mix = [surface { }, surface { albedo = 1 }] weight = 2"),
     };
     for (size_t i = 0; i < COUNT_OF(out_of_range); i++) fixture_refused(out_of_range[i], D_VALUE_OUT_OF_RANGE);
@@ -812,13 +838,14 @@ static void surfaces_become_parameters(void **state)
 {
     (void)state;
     Fixture f;
-    GOOD(&f, "surface pane { thin = true ior = 1.5 transmission = .9 film = 400nm tint = .5 }"
-             "surface lid { metal = iron metalness = .5 anisotropy = .7 grain = z grain_angle = 90 albedo = .2 }"
-             "surface both { mix = [pane, lid] weight = .3 }"
-             "sphere { surface = both } sphere { surface = pane } sphere { surface = lid }"
-             "sphere { interior = glass surface = surface { transmission = .25 albedo = 1 } }"
-             "sphere { interior = glass surface = surface { roughness = .4 anisotropy = .8 grain = x grain_angle = 5 } }"
-             "sphere { surface = surface { ior = 1.5 roughness = .4 anisotropy = .5 coat = 1 coat_anisotropy = .3 } }");
+    GOOD(&f,
+         "surface pane { thin = true ior = 1.5 transmission = .9 film = 400nm tint = .5 }"
+         "surface lid { metal = iron metalness = .5 anisotropy = .7 grain = z grain_angle = 90 albedo = .2 }"
+         "surface both { mix = [pane, lid] weight = .3 }"
+         "sphere { surface = both } sphere { surface = pane } sphere { surface = lid }"
+         "sphere { interior = glass surface = surface { transmission = .25 albedo = 1 } }"
+         "sphere { interior = glass surface = surface { roughness = .4 anisotropy = .8 grain = x grain_angle = 5 } }"
+         "sphere { surface = surface { ior = 1.5 roughness = .4 anisotropy = .5 coat = 1 coat_anisotropy = .3 } }");
     const Scene *scene = f.scene;
     const SceneSurface *brushed = &scene->surfaces[scene->objects[4].surface],
                        *lacquer = &scene->surfaces[scene->objects[5].surface];
@@ -826,8 +853,10 @@ static void surfaces_become_parameters(void **state)
     assert_near((double)brushed->spec.specular_roughness_anisotropy, 0.8, 1e-6);
     assert_near((double)lacquer->spec.specular_roughness_anisotropy, 0.5, 1e-6);
     assert_near((double)lacquer->spec.coat_roughness_anisotropy, 0.3, 1e-6);
-    const SceneSurface *both = &scene->surfaces[scene->objects[0].surface], *pane = &scene->surfaces[scene->objects[1].surface],
-                       *lid = &scene->surfaces[scene->objects[2].surface], *paint = &scene->surfaces[scene->objects[3].surface];
+    const SceneSurface *both = &scene->surfaces[scene->objects[0].surface],
+                       *pane = &scene->surfaces[scene->objects[1].surface],
+                       *lid = &scene->surfaces[scene->objects[2].surface],
+                       *paint = &scene->surfaces[scene->objects[3].surface];
     assert_true(both->mixed && both->thin && !pane->mixed && pane->thin && !lid->thin);
     assert_ptr_equal(&scene->surfaces[both->mix[0]], pane);
     assert_ptr_equal(&scene->surfaces[both->mix[1]], lid);
@@ -838,7 +867,8 @@ static void surfaces_become_parameters(void **state)
     assert_near(lid->grain_angle, 1.5707963, 1e-6);
     assert_near((double)lid->spec.base_metalness, 0.5, 1e-6);
     assert_true(paint->painted && !pane->painted);
-    assert_true(scene_is_thin(scene, 0) && scene_is_thin(scene, 1) && !scene_is_thin(scene, 2) && !scene_is_thin(scene, 3));
+    assert_true(scene_is_thin(scene, 0) && scene_is_thin(scene, 1) && !scene_is_thin(scene, 2) &&
+                !scene_is_thin(scene, 3));
     fixture_clear(&f);
 }
 

@@ -37,7 +37,8 @@ static Mesh *turned(Mesh *mesh)
     return mesh;
 }
 
-static Mesh *from_arrays(const Vec3f *positions, uint32_t n_vertices, const uint32_t (*triangles)[3], uint32_t n_triangles)
+static Mesh *from_arrays(const Vec3f *positions, uint32_t n_vertices, const uint32_t (*triangles)[3],
+                         uint32_t n_triangles)
 {
     Mesh *mesh = NULL;
     assert_int_equal(mesh_new(n_vertices, n_triangles, false, false, &mesh, NULL), STATUS_OK);
@@ -184,14 +185,12 @@ static void test_orient_mixed_sphere(void **state)
     for (uint32_t i = 0; i < mesh->n_vertices; i++) mesh->normals[i] = vec3f_negate(mesh->normals[i]);
     assert_int_equal(mesh_orient(mesh, NULL, &mended, NULL), STATUS_OK);
     assert_near(mesh_volume(mesh), volume, 1e-12);
-    for (uint32_t i = 0; i < mesh->n_vertices; i++)
-        assert_true(vec3f_dot(mesh->normals[i], mesh->positions[i]) > 0);
+    for (uint32_t i = 0; i < mesh->n_vertices; i++) assert_true(vec3f_dot(mesh->normals[i], mesh->positions[i]) > 0);
     /* triangles inside out, normals right: those stay */
     turned(mesh);
     assert_int_equal(mesh_orient(mesh, NULL, &mended, NULL), STATUS_OK);
     assert_true(mended);
-    for (uint32_t i = 0; i < mesh->n_vertices; i++)
-        assert_true(vec3f_dot(mesh->normals[i], mesh->positions[i]) > 0);
+    for (uint32_t i = 0; i < mesh->n_vertices; i++) assert_true(vec3f_dot(mesh->normals[i], mesh->positions[i]) > 0);
     mesh_free(mesh);
 }
 
@@ -214,7 +213,7 @@ static void test_orient_cavities(void **state)
     check_oriented(joined(box(0, 4), box(1, 2)), 64 + 1);                 /* was none, becomes none */
     check_oriented(joined(box(0, 4), turned(box(5, 6))), 64 + 1);         /* outside: inside out by mistake */
     check_oriented(joined(joined(box(0, 9), turned(box(1, 8))), joined(box(2, 7), turned(box(3, 6)))),
-                   729 - 343 + 125 - 27); /* shells within shells */
+                   729 - 343 + 125 - 27);                  /* shells within shells */
     Mesh *beside = joined(box(0, 4), turned(box(3, 4.5))); /* within the box of the other, but not inside */
     Affine skew = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {0, 0, 0}};
     mesh_transform(beside, &skew);

@@ -48,8 +48,8 @@ static void test_shape(void **state)
     static const char *const candidates[] = {"ior", "tint", "depth"};
     (void)state;
     sink_open(&sink, "meniscus 1.0\n    medium élan { iorr = 1.5 }\n");
-    Diagnostic *report = diag_report(&sink.diag, D_UNKNOWN_PROPERTY, span_of(&sink, "iorr"), "medium has no property '%s'",
-                                     "iorr");
+    Diagnostic *report =
+        diag_report(&sink.diag, D_UNKNOWN_PROPERTY, span_of(&sink, "iorr"), "medium has no property '%s'", "iorr");
     diag_suggest(&sink.diag, report, "iorr", candidates, COUNT_OF(candidates));
     diag_note(&sink.diag, report, span_of(&sink, "élan"), "of this medium");
     expect_print(&sink, "glass.mns:2:19: error: medium has no property 'iorr' [unknown-property]\n"
@@ -137,9 +137,10 @@ static void test_color(void **state)
     sink_open(&sink, "a\n");
     diag_report(&sink.diag, D_SYNTAX, span_of(&sink, "a"), "wrong");
     diag_print(&sink.diag, &sink.out, true);
-    assert_string_equal(buf_text(&sink.out), "\033[1mglass.mns:1:1: \033[1;31merror:\033[0m\033[1m wrong\033[0m [syntax]\n"
-                                             "\033[34m    1 |\033[0m a\n"
-                                             "\033[34m      |\033[0m \033[1;32m^\033[0m\n");
+    assert_string_equal(buf_text(&sink.out),
+                        "\033[1mglass.mns:1:1: \033[1;31merror:\033[0m\033[1m wrong\033[0m [syntax]\n"
+                        "\033[34m    1 |\033[0m a\n"
+                        "\033[34m      |\033[0m \033[1;32m^\033[0m\n");
     sink_close(&sink);
 }
 
@@ -195,7 +196,8 @@ static void test_table(void **state)
 {
     (void)state;
     for (int code = 0; code < D_COUNT; code++) {
-        const char *slug = diag_slug((DiagCode)code), *cause = diag_cause((DiagCode)code), *cure = diag_cure((DiagCode)code);
+        const char *slug = diag_slug((DiagCode)code), *cause = diag_cause((DiagCode)code),
+                   *cure = diag_cure((DiagCode)code);
         assert_int_equal(strspn(slug, "abcdefghijklmnopqrstuvwxyz0123456789-"), strlen(slug));
         assert_true(strlen(cause) > 10 && cause[strlen(cause) - 1] == '.');
         assert_true(strlen(cure) > 5);
@@ -272,10 +274,16 @@ static void test_rewind(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_shape), cmocka_unit_test(test_frames), cmocka_unit_test(test_rewind), cmocka_unit_test(test_columns),
-        cmocka_unit_test(test_empty_source), cmocka_unit_test(test_order_limit_repetition),
-        cmocka_unit_test(test_warnings_as_errors), cmocka_unit_test(test_color),
-        cmocka_unit_test(test_json),         cmocka_unit_test(test_suggest),
+        cmocka_unit_test(test_shape),
+        cmocka_unit_test(test_frames),
+        cmocka_unit_test(test_rewind),
+        cmocka_unit_test(test_columns),
+        cmocka_unit_test(test_empty_source),
+        cmocka_unit_test(test_order_limit_repetition),
+        cmocka_unit_test(test_warnings_as_errors),
+        cmocka_unit_test(test_color),
+        cmocka_unit_test(test_json),
+        cmocka_unit_test(test_suggest),
         cmocka_unit_test(test_table),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

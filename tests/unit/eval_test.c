@@ -154,16 +154,18 @@ static void test_instances(void **state)
 {
     Run run;
     (void)state;
-    run_text(&run, "medium glass { ior = 1.5 } let ball = sphere { radius = 2  translate(x) }\n"
-                   "ball { scale(3) } ball { interior = glass } ball wide { radius = 5 } wide { translate(y) }\n"
-                   "let pair = group { ball { } ball { translate(z) } } pair { rotate(z, 90) } pair { sphere { radius = 1 } }");
+    run_text(
+        &run,
+        "medium glass { ior = 1.5 } let ball = sphere { radius = 2  translate(x) }\n"
+        "ball { scale(3) } ball { interior = glass } ball wide { radius = 5 } wide { translate(y) }\n"
+        "let pair = group { ball { } ball { translate(z) } } pair { rotate(z, 90) } pair { sphere { radius = 1 } }");
     expect_fine(&run);
     const EvalNode *scaled = node_at(&run, 2), *filled = node_at(&run, 3), *wide = node_at(&run, 4);
     assert_non_null(scaled->prototype);
     assert_null(scaled->name);
     assert_string_equal(scaled->prototype->name, "ball");
     assert_true(scaled->transform.t.x == 3 && scaled->transform.m[1][1] == 3); /* the prototype's first */
-    assert_ptr_equal(filled->prototype, scaled->prototype); /* interior is no shape */
+    assert_ptr_equal(filled->prototype, scaled->prototype);                    /* interior is no shape */
     assert_int_equal(filled->n_props, 2);
     assert_string_equal(filled->props[0].type->name, "interior"); /* in table order */
     assert_null(wide->prototype);
@@ -200,12 +202,14 @@ static void test_kept_transforms(void **state)
 {
     Run run;
     (void)state;
-    run_text(&run, "let kept = translate(x) let list = [translate(2 * x), scale(2)] def shift(n) = translate(<n, 0, 0>)\n"
-                   "def row() { for (i in 1..3) { let own = shift(i) sphere { radius = 1 translate(y) transform(own) transform(own) } } }\n"
-                   "sphere { radius = 1 translate(z) } sphere { radius = 1 transform(kept) translate(z) transform(kept) }\n"
-                   "sphere { radius = 1 transform(list[0]) shift(5) transform(list[0]) } row()\n"
-                   "sphere { radius = 1 rotate(z, 90) transform(kept) translate(x) }\n"
-                   "print(apply(kept, y), apply(list[0], y), apply(list[1], y))");
+    run_text(&run,
+             "let kept = translate(x) let list = [translate(2 * x), scale(2)] def shift(n) = translate(<n, 0, 0>)\n"
+             "def row() { for (i in 1..3) { let own = shift(i) sphere { radius = 1 translate(y) transform(own) "
+             "transform(own) } } }\n"
+             "sphere { radius = 1 translate(z) } sphere { radius = 1 transform(kept) translate(z) transform(kept) }\n"
+             "sphere { radius = 1 transform(list[0]) shift(5) transform(list[0]) } row()\n"
+             "sphere { radius = 1 rotate(z, 90) transform(kept) translate(x) }\n"
+             "print(apply(kept, y), apply(list[0], y), apply(list[1], y))");
     expect_fine(&run);
     const double x[] = {0, 2, 9, 2, 4, 6, 2};
     for (size_t i = 0; i < COUNT_OF(x); i++) {
@@ -220,10 +224,11 @@ static void test_defaults_and_none(void **state)
 {
     Run run;
     (void)state;
-    run_text(&run, "def plain() { sphere { radius = 9 } } medium glass { ior = 1.5 }\n"
-                   "defaults sphere { radius = 4  interior = glass } sphere { }\n"
-                   "group { defaults sphere { radius = 5 } sphere { } plain() } sphere { radius = 6  interior = none }\n"
-                   "render { nesting = none }");
+    run_text(&run,
+             "def plain() { sphere { radius = 9 } } medium glass { ior = 1.5 }\n"
+             "defaults sphere { radius = 4  interior = glass } sphere { }\n"
+             "group { defaults sphere { radius = 5 } sphere { } plain() } sphere { radius = 6  interior = none }\n"
+             "render { nesting = none }");
     expect_fine(&run);
     assert_true(eval_number(node_at(&run, 2), "radius") == 4);
     const EvalNode *group = node_at(&run, 3);
@@ -282,8 +287,9 @@ static void test_words(void **state)
 {
     Run run;
     (void)state;
-    run_text(&run, "let gas = \"liquid\" let form = \"solid\" medium a { state = gas } medium b { state = form }\n"
-                   "medium c { state = \"gas\" } film { aovs = [albedo, \"normal\"]  output = [\"a.exr\", \"b.png\"] }");
+    run_text(&run,
+             "let gas = \"liquid\" let form = \"solid\" medium a { state = gas } medium b { state = form }\n"
+             "medium c { state = \"gas\" } film { aovs = [albedo, \"normal\"]  output = [\"a.exr\", \"b.png\"] }");
     assert_int_equal(run.status, STATUS_OK);
     assert_string_equal(eval_word(named(&run, "a"), "state"), "gas"); /* the property's own word wins */
     assert_string_equal(eval_word(named(&run, "b"), "state"), "solid");
@@ -326,10 +332,12 @@ static void test_hues(void **state)
                    "[true, true, true, true]");
     expect_printed("[hsv(240, 1, 1) == #00f, hsv(-60, 1, 1) == #f0f, hsv(720, 1, 1) == #f00, hsv(7, 1, 0) == #000]",
                    "[true, true, true, true]");
-    expect_printed("[hsv(30, 1, 1) == srgb(1, .5, 0), hsv(210, .5, .5) == srgb(.25, .375, .5), hsv(1, 0, .5) == srgb(.5)]",
-                   "[true, true, true]");
-    expect_printed("[hsl(0, 1, .5) == #f00, hsl(99, 1, 1) == #fff, hsl(99, 1, 0) == #000, hsl(240, 1, .75) == srgb(.5, .5, 1)]",
-                   "[true, true, true, true]");
+    expect_printed(
+        "[hsv(30, 1, 1) == srgb(1, .5, 0), hsv(210, .5, .5) == srgb(.25, .375, .5), hsv(1, 0, .5) == srgb(.5)]",
+        "[true, true, true]");
+    expect_printed(
+        "[hsl(0, 1, .5) == #f00, hsl(99, 1, 1) == #fff, hsl(99, 1, 0) == #000, hsl(240, 1, .75) == srgb(.5, .5, 1)]",
+        "[true, true, true, true]");
     expect_printed("[hsl(210, .5, .25) == srgb(.125, .25, .375), hsl(9, 0, .5) == srgb(.5)]", "[true, true]");
 }
 
@@ -340,9 +348,11 @@ static void test_lists_in_order(void **state)
     expect_printed("sort([\"b\", \"é\", \"a\", \"B\", \"ab\"])", "[\"B\", \"a\", \"ab\", \"b\", \"é\"]");
     expect_printed("reverse(1..4), reverse([\"a\", 1, <1, 2>]), reverse([]), reverse(sort([2, 7, 5]))",
                    "[4, 3, 2, 1][<1, 2>, 1, \"a\"][][7, 5, 2]");
-    expect_printed("[product(1..5), product([]), product([.5])], product([<1, 2>, <3, 4>]), product([#fff, rgb(.5, .2, .1)])",
-                   "[120, 1, 0.5]<3, 8>rgb(0.5, 0.2, 0.1)");
-    expect_printed("(1 / sort([0, 4])[1]), sort([for (i in 1..300) i * 7 % 300])[299], len(sort(1..1000))", "0.252991000");
+    expect_printed(
+        "[product(1..5), product([]), product([.5])], product([<1, 2>, <3, 4>]), product([#fff, rgb(.5, .2, .1)])",
+        "[120, 1, 0.5]<3, 8>rgb(0.5, 0.2, 0.1)");
+    expect_printed("(1 / sort([0, 4])[1]), sort([for (i in 1..300) i * 7 % 300])[299], len(sort(1..1000))",
+                   "0.252991000");
 }
 
 static uint64_t bits_of(double x)
@@ -356,17 +366,19 @@ static void test_rnd_and_noise(void **state)
 {
     Run run;
     (void)state;
-    run_text(&run, "sphere { radius = 1  center = <rnd(7, 3), rnd(7, 3, -0.0), rnd(<7, 3, 0>)> }\n"
-                   "sphere { radius = 1  center = <noise(4), noise(4.5), noise(1.25, -2.5, 3)> }\n"
-                   "var least = 1 var most = 0 for (i in 1..5000) { least := min(least, rnd(i)) most := max(most, rnd(i)) }\n"
-                   "print(least < .001, most > .999, least >= 0, most < 1)");
+    run_text(&run,
+             "sphere { radius = 1  center = <rnd(7, 3), rnd(7, 3, -0.0), rnd(<7, 3, 0>)> }\n"
+             "sphere { radius = 1  center = <noise(4), noise(4.5), noise(1.25, -2.5, 3)> }\n"
+             "var least = 1 var most = 0 for (i in 1..5000) { least := min(least, rnd(i)) most := max(most, rnd(i)) }\n"
+             "print(least < .001, most > .999, least >= 0, most < 1)");
     expect_fine(&run);
     uint64_t h = hash_u64(hash_u64(0x6d656e6973637573U ^ bits_of(7)) ^ bits_of(3));
     Vec3 random = eval_vector(node_at(&run, 1), "center"), noise = eval_vector(node_at(&run, 2), "center");
     assert_true(random.x == hash_to_unit(h));
     h = hash_u64(h ^ bits_of(0));
     assert_true(random.y == hash_to_unit(h) && random.z == hash_to_unit(h));
-    double at_4 = 2 * hash_to_unit(hash_u64(0x6e6f697365U ^ 4)) - 1, at_5 = 2 * hash_to_unit(hash_u64(0x6e6f697365U ^ 5)) - 1;
+    double at_4 = 2 * hash_to_unit(hash_u64(0x6e6f697365U ^ 4)) - 1,
+           at_5 = 2 * hash_to_unit(hash_u64(0x6e6f697365U ^ 5)) - 1;
     assert_true(noise.x == at_4);
     assert_true(fabs(noise.y - (at_4 + at_5) / 2) < 1e-15);
     assert_true(fabs(noise.z) < 1);
@@ -416,8 +428,9 @@ static void test_params(void **state)
     run_open(&run);
     run.options.defines = defines;
     run.options.n_defines = COUNT_OF(defines);
-    run.text = "meniscus 1.0 unit mm param level = 34mm in 5mm..60mm param mode = \"coarse\" in [\"coarse\", \"fine\"]\n"
-               "param tone: color = #000 param many: list = [] \"a list\" print(level, mode, tone, many)";
+    run.text =
+        "meniscus 1.0 unit mm param level = 34mm in 5mm..60mm param mode = \"coarse\" in [\"coarse\", \"fine\"]\n"
+        "param tone: color = #000 param many: list = [] \"a list\" print(level, mode, tone, many)";
     run_go(&run);
     expect_fine(&run);
     assert_string_equal(buf_text(&run.result.printed), "20finergb(0.5, 0.5, 0.5)[1, 2]\n");
@@ -482,25 +495,37 @@ static void test_lists_that_grow(void **state)
         run_close(&run);
         buf_clear(&text);
     }
-    expect_printed("let (a = [1, 2] + [3], b = a + [4], c = a + [5], d = b + [6], e = b + [7, 8], f = a + a) [a, b, c, d, e, f]",
-                   "[[1, 2, 3], [1, 2, 3, 4], [1, 2, 3, 5], [1, 2, 3, 4, 6], [1, 2, 3, 4, 7, 8], [1, 2, 3, 1, 2, 3]]");
-    expect_printed("let (a = [[1]] + [[2]], b = a + [[3]], c = a + [4], d = b + [[[5]]], e = b + [x]) [a, b, c, d, len(e)]",
-                   "[[[1], [2]], [[1], [2], [3]], [[1], [2], 4], [[1], [2], [3], [[5]]], 4]");
+    expect_printed(
+        "let (a = [1, 2] + [3], b = a + [4], c = a + [5], d = b + [6], e = b + [7, 8], f = a + a) [a, b, c, d, e, f]",
+        "[[1, 2, 3], [1, 2, 3, 4], [1, 2, 3, 5], [1, 2, 3, 4, 6], [1, 2, 3, 4, 7, 8], [1, 2, 3, 1, 2, 3]]");
+    expect_printed(
+        "let (a = [[1]] + [[2]], b = a + [[3]], c = a + [4], d = b + [[[5]]], e = b + [x]) [a, b, c, d, len(e)]",
+        "[[[1], [2]], [[1], [2], [3]], [[1], [2], 4], [[1], [2], [3], [[5]]], 4]");
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_lists_that_grow), cmocka_unit_test(test_whisky),          cmocka_unit_test(test_aquarium),
-        cmocka_unit_test(test_soda),            cmocka_unit_test(test_instances),
-        cmocka_unit_test(test_transforms), cmocka_unit_test(test_kept_transforms),      cmocka_unit_test(test_defaults_and_none),
-        cmocka_unit_test(test_default_texts),   cmocka_unit_test(test_macros),
-        cmocka_unit_test(test_words),           cmocka_unit_test(test_functions),
+        cmocka_unit_test(test_lists_that_grow),
+        cmocka_unit_test(test_whisky),
+        cmocka_unit_test(test_aquarium),
+        cmocka_unit_test(test_soda),
+        cmocka_unit_test(test_instances),
+        cmocka_unit_test(test_transforms),
+        cmocka_unit_test(test_kept_transforms),
+        cmocka_unit_test(test_defaults_and_none),
+        cmocka_unit_test(test_default_texts),
+        cmocka_unit_test(test_macros),
+        cmocka_unit_test(test_words),
+        cmocka_unit_test(test_functions),
         cmocka_unit_test(test_hues),
         cmocka_unit_test(test_lists_in_order),
-        cmocka_unit_test(test_rnd_and_noise),   cmocka_unit_test(test_working_space),
-        cmocka_unit_test(test_files),           cmocka_unit_test(test_params),
-        cmocka_unit_test(test_animation_names), cmocka_unit_test(test_missing_scene),
+        cmocka_unit_test(test_rnd_and_noise),
+        cmocka_unit_test(test_working_space),
+        cmocka_unit_test(test_files),
+        cmocka_unit_test(test_params),
+        cmocka_unit_test(test_animation_names),
+        cmocka_unit_test(test_missing_scene),
         cmocka_unit_test(test_memory_of_loops),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -8,7 +8,8 @@
 #include "trace/flight.h"
 
 #define VIEW "environment { } camera { from = <0, 0, 500> to = <0, 0, 0> } "
-#define EVEN "meniscus 1.0 unit mm medium fog { ior = 1 scattering = .5 / 1mm } sphere { interior = fog radius = 30 } " VIEW
+#define EVEN                                                                                                           \
+    "meniscus 1.0 unit mm medium fog { ior = 1 scattering = .5 / 1mm } sphere { interior = fog radius = 30 } " VIEW
 #define VARIED                                                                                                         \
     "meniscus 1.0 unit mm def thick(p) = 1 + .5 * noise(p / 9) "                                                       \
     "medium fog { ior = 1 scattering = .5 / 1mm "                                                                      \

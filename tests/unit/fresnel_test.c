@@ -27,7 +27,8 @@ static long double reference(long double cos_i, long double eta_i, long double e
     if (eta_i == eta_t) return 0;
     if (square <= 0) return 1;
     long double b = sqrtl(square);
-    long double r_s = (a - b) / (a + b), r_p = (eta_t * eta_t * a - eta_i * eta_i * b) / (eta_t * eta_t * a + eta_i * eta_i * b);
+    long double r_s = (a - b) / (a + b),
+                r_p = (eta_t * eta_t * a - eta_i * eta_i * b) / (eta_t * eta_t * a + eta_i * eta_i * b);
     return 0.5L * (r_s * r_s + r_p * r_p);
 }
 
@@ -60,8 +61,8 @@ static void polarized(void **unused)
         float cos_i = random_unit(&state), eta_i = 1 + random_unit(&state), eta_t = 1 + 2 * random_unit(&state);
         fresnel_dielectric_polarized(cos_i, lanes_all(eta_i), lanes_all(eta_t), both);
         assert_true(lanes_get(both[0], 2) >= lanes_get(both[1], 2) - 1e-6f);
-        assert_float_equal(0.5f * (lanes_get(both[0], 2) + lanes_get(both[1], 2)), fresnel_dielectric(cos_i, eta_i, eta_t),
-                           1e-6f);
+        assert_float_equal(0.5f * (lanes_get(both[0], 2) + lanes_get(both[1], 2)),
+                           fresnel_dielectric(cos_i, eta_i, eta_t), 1e-6f);
     }
 }
 
@@ -74,7 +75,7 @@ static void exact_at_random(void **unused)
         float cos_i = random_unit(&state), eta_i = 1 + random_unit(&state), eta_t = 1 + 2 * random_unit(&state);
         if (i % 4 == 1) cos_i *= cos_i * cos_i * cos_i;
         if (i % 4 == 2) eta_t = eta_i + (random_unit(&state) - 0.5f) * 1e-5f; /* nearly equal */
-        if (i % 4 == 3 && eta_i > eta_t) {                                     /* nearly critical */
+        if (i % 4 == 3 && eta_i > eta_t) {                                    /* nearly critical */
             float critical = sqrtf(1 - (eta_t / eta_i) * (eta_t / eta_i));
             cos_i = fminf(critical * (1 + (random_unit(&state) - 0.5f) * 1e-5f), 1);
         }
@@ -98,7 +99,8 @@ static void lanes_agree_with_one(void **unused)
         float cos_i = random_unit(&state), eta[4];
         for (int k = 0; k < 4; k++) eta[k] = 1 + random_unit(&state);
         Lanes across = lanes(eta[0], eta[1], eta[2], eta[3]), uniform = lanes_all(1.3f);
-        Lanes out = fresnel_dielectric_lanes(cos_i, across, uniform), in = fresnel_dielectric_lanes(cos_i, uniform, across);
+        Lanes out = fresnel_dielectric_lanes(cos_i, across, uniform),
+              in = fresnel_dielectric_lanes(cos_i, uniform, across);
         Lanes same = fresnel_dielectric_lanes(cos_i, lanes_all(eta[0]), uniform);
         for (int k = 0; k < 4; k++) {
             assert_true(lanes_get(out, k) == fresnel_dielectric(cos_i, eta[k], 1.3f));

@@ -176,7 +176,8 @@ static void combinations_answer_as_one(void **state)
 static void faces_of_meshes_are_the_right_ones(void **state)
 {
     (void)state;
-    HOLDS("let ball = superellipsoid { exponents = <1, 1> } let long = ball { scale(<-1, 1, 3>)  rotate(z, 20)  translate(y) } "
+    HOLDS("let ball = superellipsoid { exponents = <1, 1> } let long = ball { scale(<-1, 1, 3>)  rotate(z, 20)  "
+          "translate(y) } "
           "for (i in 1..400) { let s = scatter(ball, i) "
           "assert(length(s.point) > .998 and length(s.point) < 1 + 1e-6 and dot(s.normal, s.point) > .998) "
           "let p = s.point let h = hit(ball, 4 * p, -p) assert(distance(h.point, p) < 1e-5) "

@@ -257,17 +257,18 @@ static void parts_are_nodes_meshes_and_materials(void **state)
 static void what_materials_are_said_to_be_is_listed(void **state)
 {
     (void)state;
-    char *text = file_text("\"images\": [{\"uri\": \"label.png\"}, {\"bufferView\": 0}], \"textures\": [{\"source\": 0}, "
-                           "{\"source\": 1}, {}], " NODES,
-                           TETRAHEDRON, DATA);
-    static const char plain[] = "{\"name\": \"amber\"}",
-                      rich[] =
-                          "{\"name\": \"amber\", \"pbrMetallicRoughness\": {\"baseColorFactor\": [1, 0.5, 0, 0.25], "
-                          "\"baseColorTexture\": {\"index\": 0}, \"roughnessFactor\": 0.1}, \"extensions\": "
-                          "{\"KHR_materials_transmission\": {\"transmissionFactor\": 1}, \"KHR_materials_ior\": {\"ior\": "
-                          "1.54}}}, {\"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": 1}}}, {\"name\": "
-                          "\"wrong\", \"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": 7}, \"baseColorFactor\": "
-                          "3, \"metallicFactor\": \"x\"}}";
+    char *text =
+        file_text("\"images\": [{\"uri\": \"label.png\"}, {\"bufferView\": 0}], \"textures\": [{\"source\": 0}, "
+                  "{\"source\": 1}, {}], " NODES,
+                  TETRAHEDRON, DATA);
+    static const char
+        plain[] = "{\"name\": \"amber\"}",
+        rich[] = "{\"name\": \"amber\", \"pbrMetallicRoughness\": {\"baseColorFactor\": [1, 0.5, 0, 0.25], "
+                 "\"baseColorTexture\": {\"index\": 0}, \"roughnessFactor\": 0.1}, \"extensions\": "
+                 "{\"KHR_materials_transmission\": {\"transmissionFactor\": 1}, \"KHR_materials_ior\": {\"ior\": "
+                 "1.54}}}, {\"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": 1}}}, {\"name\": "
+                 "\"wrong\", \"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": 7}, \"baseColorFactor\": "
+                 "3, \"metallicFactor\": \"x\"}}";
     const char *at = strstr(text, plain);
     assert_non_null(at);
     Buf changed = {0};
@@ -280,8 +281,9 @@ static void what_materials_are_said_to_be_is_listed(void **state)
     Error error;
     assert_int_equal(mesh_load(in_folder(mesh_name), &source, &mesh, &error), STATUS_OK);
     assert_int_equal(source.n_materials, 3);
-    assert_string_equal(mesh_source_said(&source, "amber"),
-                        "base colour 1 0.5 0, opacity 0.25, picture label.png, roughness 0.1, transmission 1, index 1.54");
+    assert_string_equal(
+        mesh_source_said(&source, "amber"),
+        "base colour 1 0.5 0, opacity 0.25, picture label.png, roughness 0.1, transmission 1, index 1.54");
     assert_string_equal(mesh_source_said(&source, ""), "picture within the file");
     assert_null(mesh_source_said(&source, "green"));
     mesh_source_clear(&source);

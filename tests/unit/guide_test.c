@@ -351,8 +351,8 @@ static void borrowed(void **state)
     assert_true(of_much > 50 * before && of_much > 7 * of_little && of_little > .05f * of_much);
 }
 
-/* Light of many lamps: of one that no photon of the cell came from, while some of those near by did, so few that it may be chance, is known as
- * they know it. What many of them tell of, and none here, is not here; what is little, is not worth it. */
+/* Light of many lamps: of one that no photon of the cell came from, while some of those near by did, so few that it may be chance,
+ * is known as they know it. What many of them tell of, and none here, is not here; what is little, is not worth it. */
 static void missed(void **state)
 {
     (void)state;
@@ -740,11 +740,10 @@ static void walks(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(densities), cmocka_unit_test(sheets),   cmocka_unit_test(folds),  cmocka_unit_test(doubts),
-        cmocka_unit_test(corners),
-        cmocka_unit_test(sides),     cmocka_unit_test(borrowed), cmocka_unit_test(missed), cmocka_unit_test(levels),
-        cmocka_unit_test(flux),      cmocka_unit_test(bulbs),    cmocka_unit_test(lenses), cmocka_unit_test(hues),
-        cmocka_unit_test(beams),     cmocka_unit_test(walks),    cmocka_unit_test(tiles),
+        cmocka_unit_test(densities), cmocka_unit_test(sheets), cmocka_unit_test(folds),    cmocka_unit_test(doubts),
+        cmocka_unit_test(corners),   cmocka_unit_test(sides),  cmocka_unit_test(borrowed), cmocka_unit_test(missed),
+        cmocka_unit_test(levels),    cmocka_unit_test(flux),   cmocka_unit_test(bulbs),    cmocka_unit_test(lenses),
+        cmocka_unit_test(hues),      cmocka_unit_test(beams),  cmocka_unit_test(walks),    cmocka_unit_test(tiles),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

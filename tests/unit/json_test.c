@@ -25,7 +25,8 @@ static void items_are_divided(void **state)
     json_raw(&json, "[1]");
     json_end(&json);
     json_end(&json);
-    assert_string_equal(buf_text(&out), "{\"a\": \"b\", \"n\": 18446744073709551615, \"list\": [0.1, 1.34, true, null, {}, [1]]}");
+    assert_string_equal(buf_text(&out),
+                        "{\"a\": \"b\", \"n\": 18446744073709551615, \"list\": [0.1, 1.34, true, null, {}, [1]]}");
     buf_clear(&out);
 }
 

@@ -54,11 +54,14 @@ static inline void run_task(void *context)
     if (run->path)
         run->status = eval_scene(run->path, &run->options, &run->diag, &run->result, &run->error);
     else
-        run->status = eval_text("test.mns", run->text, strlen(run->text), &run->options, &run->diag, &run->result,
-                                &run->error);
+        run->status =
+            eval_text("test.mns", run->text, strlen(run->text), &run->options, &run->diag, &run->result, &run->error);
 }
 
-static inline void run_go(Run *run) { run->out_of_memory = !arena_guard(&run->arena, run_task, run); }
+static inline void run_go(Run *run)
+{
+    run->out_of_memory = !arena_guard(&run->arena, run_task, run);
+}
 
 /* A text with the header in front, on its first line. */
 static inline void run_text(Run *run, const char *text)

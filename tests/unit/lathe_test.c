@@ -30,8 +30,8 @@ static void refuse(Profile profile, uint32_t n, const double *round, const char 
 }
 
 static const double tumbler[][2] = {{0, 0}, {38, 0}, {40, 2}, {40, 92}, {37, 92}, {37, 10}, {0, 10}};
-static const double tumbler_volume = 3.14159265358979323846 *
-                                     (2.0 / 3 * (38.0 * 38 + 38 * 40 + 40 * 40) + 40.0 * 40 * 90 - 37.0 * 37 * 82);
+static const double tumbler_volume =
+    3.14159265358979323846 * (2.0 / 3 * (38.0 * 38 + 38 * 40 + 40 * 40) + 40.0 * 40 * 90 - 37.0 * 37 * 82);
 
 /* Pieces follow each other, the chain closes on the axis, and every edge lies as its normals say. */
 static void check_chain(const Solid *solid)
@@ -50,7 +50,8 @@ static void check_chain(const Solid *solid)
         double radius = hypot(here->r0 - here->centre_r, here->y0 - here->centre_y);
         assert_near(hypot(here->r1 - here->centre_r, here->y1 - here->centre_y) / radius, 1, 1e-12);
         double side = here->kind == PIECE_OUTER_ARC ? 1 : -1;
-        assert_true(side * (here->r0 - here->centre_r) >= -1e-12 * radius && side * (here->r1 - here->centre_r) >= -1e-12 * radius);
+        assert_true(side * (here->r0 - here->centre_r) >= -1e-12 * radius &&
+                    side * (here->r1 - here->centre_r) >= -1e-12 * radius);
     }
 }
 
@@ -69,7 +70,8 @@ static void test_volume_in_either_sense(void **state)
     check_chain(solid);
     solid_free(solid);
     /* beginning elsewhere, with points said twice and the axis written out */
-    const double other[][2] = {{40, 2}, {40, 2}, {40, 92}, {37, 92}, {37, 10}, {0, 10}, {0, 5}, {0, 0}, {38, 0}, {40, 2}};
+    const double other[][2] = {{40, 2}, {40, 2}, {40, 92}, {37, 92}, {37, 10},
+                               {0, 10}, {0, 5},  {0, 0},   {38, 0},  {40, 2}};
     solid = make(other, 10, NULL, false);
     assert_int_equal(solid->n_pieces, 6);
     assert_near(solid->volume, tumbler_volume, 1e-9);
@@ -169,7 +171,8 @@ static void test_rounds_that_meet(void **state)
     const double floor_round[] = {0, 0, 0, 0, 0, 8, 0};
     solid = make(tumbler, 7, floor_round, false);
     check_chain(solid);
-    double taken = 64 * 2 * pi * (37 - 4) - 16 * pi * 2 * pi * (29 + 4 * 8.0 / (3 * pi)); /* less hollow than with a corner */
+    double taken =
+        64 * 2 * pi * (37 - 4) - 16 * pi * 2 * pi * (29 + 4 * 8.0 / (3 * pi)); /* less hollow than with a corner */
     assert_near(solid->volume, tumbler_volume + taken, 1e-8);
     assert_int_equal(solid->n_pieces, 7);
     const Piece *hollow = &solid->pieces[5];
@@ -279,7 +282,8 @@ static Solid *make_curve(Profile profile, uint32_t n, LatheCurve kind, const boo
 {
     Solid *solid = NULL;
     Error error = {STATUS_OK, ""};
-    if (solid_make_curved_lathe(profile, n, kind, corner, tolerance, &solid, &error) != STATUS_OK) fail_msg("%s", error.text);
+    if (solid_make_curved_lathe(profile, n, kind, corner, tolerance, &solid, &error) != STATUS_OK)
+        fail_msg("%s", error.text);
     check_chain(solid);
     return solid;
 }

@@ -110,11 +110,8 @@ static void nothing_is_near(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(water_line),
-        cmocka_unit_test(drops_and_walls),
-        cmocka_unit_test(picture_planes),
-        cmocka_unit_test(blades),
-        cmocka_unit_test(nothing_is_near),
+        cmocka_unit_test(water_line), cmocka_unit_test(drops_and_walls), cmocka_unit_test(picture_planes),
+        cmocka_unit_test(blades),     cmocka_unit_test(nothing_is_near),
     };
     return cmocka_run_group_tests_name("lens", tests, NULL, NULL);
 }

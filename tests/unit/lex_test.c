@@ -47,11 +47,11 @@ static void test_kinds(void **state)
 {
     (void)state;
     EXPECT("\xef\xbb\xbfmeniscus 1.0", TOKEN_NAME, TOKEN_NUMBER);
-    EXPECT("{}()[]<>,;:?.", TOKEN_BRACE_OPEN, TOKEN_BRACE_CLOSE, TOKEN_PAREN_OPEN, TOKEN_PAREN_CLOSE, TOKEN_BRACKET_OPEN,
-           TOKEN_BRACKET_CLOSE, TOKEN_LESS, TOKEN_GREATER, TOKEN_COMMA, TOKEN_SEMICOLON, TOKEN_COLON, TOKEN_QUESTION,
-           TOKEN_DOT);
-    EXPECT("a:=b==c=d<=e>=f!=g", TOKEN_NAME, TOKEN_CHANGE, TOKEN_NAME, TOKEN_EQUAL, TOKEN_NAME, TOKEN_ASSIGN, TOKEN_NAME,
-           TOKEN_LESS_EQUAL, TOKEN_NAME, TOKEN_GREATER_EQUAL, TOKEN_NAME, TOKEN_NOT_EQUAL, TOKEN_NAME);
+    EXPECT("{}()[]<>,;:?.", TOKEN_BRACE_OPEN, TOKEN_BRACE_CLOSE, TOKEN_PAREN_OPEN, TOKEN_PAREN_CLOSE,
+           TOKEN_BRACKET_OPEN, TOKEN_BRACKET_CLOSE, TOKEN_LESS, TOKEN_GREATER, TOKEN_COMMA, TOKEN_SEMICOLON,
+           TOKEN_COLON, TOKEN_QUESTION, TOKEN_DOT);
+    EXPECT("a:=b==c=d<=e>=f!=g", TOKEN_NAME, TOKEN_CHANGE, TOKEN_NAME, TOKEN_EQUAL, TOKEN_NAME, TOKEN_ASSIGN,
+           TOKEN_NAME, TOKEN_LESS_EQUAL, TOKEN_NAME, TOKEN_GREATER_EQUAL, TOKEN_NAME, TOKEN_NOT_EQUAL, TOKEN_NAME);
     EXPECT("1..5 0..<n a.xy", TOKEN_NUMBER, TOKEN_RANGE, TOKEN_NUMBER, TOKEN_NUMBER, TOKEN_RANGE_OPEN, TOKEN_NAME,
            TOKEN_NAME, TOKEN_DOT, TOKEN_NAME);
     EXPECT("+-*/%^", TOKEN_PLUS, TOKEN_MINUS, TOKEN_STAR, TOKEN_SLASH, TOKEN_PERCENT, TOKEN_CARET);
@@ -68,7 +68,7 @@ static void test_numbers(void **state)
         double number;
         const char *unit;
     } cases[] = {
-        {"3", 3, NULL},     {"3mm", 3, "mm"}, {"1.5e-3cm", 1.5e-3, "cm"}, {".5turn", .5, "turn"},
+        {"3", 3, NULL},       {"3mm", 3, "mm"}, {"1.5e-3cm", 1.5e-3, "cm"}, {".5turn", .5, "turn"},
         {"5600K", 5600, "K"}, {"2in", 2, "in"}, {"90deg", 90, "deg"},       {"1e3s", 1000, "s"},
     };
     (void)state;

@@ -100,7 +100,7 @@ static void test_normals_are_made_good(void **state)
     for (uint32_t k = 0; k < 3; k++) mesh->triangles[0][k] = k;
     assert_int_equal(mesh_normalize_normals(mesh, NULL), STATUS_OK);
     assert_near((double)mesh->normals[0].z, 0.8, 1e-7);
-    assert_near((double)mesh->normals[1].z, 1, 0); /* had none: the triangle's */
+    assert_near((double)mesh->normals[1].z, 1, 0);             /* had none: the triangle's */
     assert_near((double)vec3f_length(mesh->normals[3]), 1, 0); /* used by nothing */
     mesh_free(mesh);
 }

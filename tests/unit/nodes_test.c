@@ -207,12 +207,9 @@ static void nodes_that_hold_others(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(nodes_that_hold_others),
-        cmocka_unit_test(hints_name_what_there_is),
-        cmocka_unit_test(hints_are_for_what_there_is_not),
-        cmocka_unit_test(other_nodes_are_none_here),
-        cmocka_unit_test(names_are_unique_and_documented),
-        cmocka_unit_test(defaults_are_in_range),
+        cmocka_unit_test(nodes_that_hold_others),          cmocka_unit_test(hints_name_what_there_is),
+        cmocka_unit_test(hints_are_for_what_there_is_not), cmocka_unit_test(other_nodes_are_none_here),
+        cmocka_unit_test(names_are_unique_and_documented), cmocka_unit_test(defaults_are_in_range),
         cmocka_unit_test(bare_nodes_are_accepted),
     };
     return cmocka_run_group_tests_name("nodes", tests, NULL, NULL);

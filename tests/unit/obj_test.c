@@ -26,9 +26,10 @@ static void test_cube(void **state)
 static void test_corners_of_all_kinds(void **state)
 {
     (void)state;
-    Mesh *mesh = load("v 0 0 0\r\nv 2 0 0\r\n\tv 0 2 0\r\nv 0 0 2\r\n"
-                      "vt .5\r\nvt 1 0.25 0\r\nvn 0 0 3\r\nvn 0 4 3\r\n"
-                      "f 1/1/1 2/2/1 \\\r\n 3/-1/1\r\nf 1//2 3//2 4//2\r\nf 1 2 3\r\nf 1/1 3/2 4/2\r\nf 1/1/1 2/2/1 3/2/1");
+    Mesh *mesh =
+        load("v 0 0 0\r\nv 2 0 0\r\n\tv 0 2 0\r\nv 0 0 2\r\n"
+             "vt .5\r\nvt 1 0.25 0\r\nvn 0 0 3\r\nvn 0 4 3\r\n"
+             "f 1/1/1 2/2/1 \\\r\n 3/-1/1\r\nf 1//2 3//2 4//2\r\nf 1 2 3\r\nf 1/1 3/2 4/2\r\nf 1/1/1 2/2/1 3/2/1");
     assert_int_equal(mesh->n_triangles, 5);
     assert_int_equal(mesh->n_vertices, 3 + 3 + 3 + 3); /* the last face's corners are the first's */
     assert_memory_equal(mesh->triangles[4], mesh->triangles[0], sizeof mesh->triangles[0]);
@@ -68,7 +69,8 @@ static void test_refusals(void **state)
     refuse("v 0 0 0\nf 1 1 1/\n", ":2:");
     refuse("v 0 0 0\nf 1 1 1x\n", ":2: 'x' stands where");
     refuse("v 0 0 0\nf 1 1 -2\n", ":2: the vertex number -2 is out of range");
-    refuse("v 0 0 0\nf 1 1 99999999999999999999999999999\n", ":2: the vertex number 99999999999999999999 is out of range");
+    refuse("v 0 0 0\nf 1 1 99999999999999999999999999999\n",
+           ":2: the vertex number 99999999999999999999 is out of range");
     refuse("v 0 0 0\n\nf 1 1 2\n", ":3: a face uses position 2; there are 1");
     refuse("v 0 0 0\nf 1/1 1/1 1/1\n", ":2: a face uses texture coordinate 1; there are 0");
     refuse("v 0 0 0\nf 1//1 1//1 1//7\nvn 0 0 1\n", ":2: a face uses normal 7; there are 1");
@@ -99,14 +101,16 @@ static void test_parts(void **state)
     }
     refuse_part("empty", "the group 'empty' has no faces");
     refuse_part("rigth", "did you mean 'right'?");
-    refuse_part("green", "object 'the left one', material 'red', object 'right', material 'blue', group 'empty', group 'right'");
+    refuse_part("green",
+                "object 'the left one', material 'red', object 'right', material 'blue', group 'empty', group 'right'");
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_cube),     cmocka_unit_test(test_corners_of_all_kinds), cmocka_unit_test(test_numbers_ahead),
-        cmocka_unit_test(test_refusals), cmocka_unit_test(test_noise), cmocka_unit_test(test_parts),
+        cmocka_unit_test(test_cube),          cmocka_unit_test(test_corners_of_all_kinds),
+        cmocka_unit_test(test_numbers_ahead), cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_noise),         cmocka_unit_test(test_parts),
     };
     mesh_name = "mesh.obj";
     return cmocka_run_group_tests(tests, make_folder, remove_folder);

@@ -83,11 +83,12 @@ static void test_statements(void **state)
 {
     Run run;
     (void)state;
-    run_text(&run, "; ; let a = 1; let b = a var c = b c := c + 1 if (c == 2) { print(\"two\") } else { print(\"no\") }\n"
-                   "if (false) {} else if (c == 3) {} else { print(\"else\") } while (c < 5) { c := c + 1 } print(c)\n"
-                   "def f(a: number, b = a * 2) = a + b  print(f(1), \" \", f(1, 1), \" \", f(b = 5, a = 2))\n"
-                   "def m(n) { for (i in 1..n) { children() } } m(2) { print(\"child\") }\n"
-                   "sphere { radius = 1 } sphere named { radius = 2 } named { translate(x) }\n");
+    run_text(&run,
+             "; ; let a = 1; let b = a var c = b c := c + 1 if (c == 2) { print(\"two\") } else { print(\"no\") }\n"
+             "if (false) {} else if (c == 3) {} else { print(\"else\") } while (c < 5) { c := c + 1 } print(c)\n"
+             "def f(a: number, b = a * 2) = a + b  print(f(1), \" \", f(1, 1), \" \", f(b = 5, a = 2))\n"
+             "def m(n) { for (i in 1..n) { children() } } m(2) { print(\"child\") }\n"
+             "sphere { radius = 1 } sphere named { radius = 2 } named { translate(x) }\n");
     assert_int_equal(run.status, STATUS_OK);
     assert_string_equal(buf_text(&run.result.printed), "two\nelse\n5\n3 2 7\nchild\nchild\n");
     assert_int_equal(run.result.n_nodes, 4); /* with the prelude's air */
@@ -220,8 +221,8 @@ static void test_grammar(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_precedence), cmocka_unit_test(test_ranges),   cmocka_unit_test(test_units),
-        cmocka_unit_test(test_statements), cmocka_unit_test(test_hostile),  cmocka_unit_test(test_prefixes),
+        cmocka_unit_test(test_precedence), cmocka_unit_test(test_ranges),  cmocka_unit_test(test_units),
+        cmocka_unit_test(test_statements), cmocka_unit_test(test_hostile), cmocka_unit_test(test_prefixes),
         cmocka_unit_test(test_grammar),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -232,7 +232,8 @@ static void test_round_solids_are_closed(void **state)
     const double wedge[][2] = {{3, 0}, {9, 4}, {3, 1}};
     const double nose[] = {0.05, 0.1, 0.03};
     check_closed("wedge", made_lathe(wedge, 3, nose));
-    const double goblet[][2] = {{0, 0}, {3, 0}, {3.2, 0.2}, {0.5, 0.8}, {0.4, 4}, {2.8, 6}, {2.6, 10}, {2.4, 10}, {2.5, 6.1}, {0, 4.6}};
+    const double goblet[][2] = {{0, 0},   {3, 0},    {3.2, 0.2}, {0.5, 0.8}, {0.4, 4},
+                                {2.8, 6}, {2.6, 10}, {2.4, 10},  {2.5, 6.1}, {0, 4.6}};
     const bool corner[10] = {[1] = true};
     Solid *curved = NULL;
     assert_int_equal(solid_make_curved_lathe(goblet, 10, LATHE_CUBIC, corner, 0, &curved, NULL), STATUS_OK);

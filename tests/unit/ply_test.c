@@ -7,9 +7,9 @@
 #include "mesh_reader.h"
 #include "near.h"
 
-#define HEAD(format, n_vertices, n_faces)                                                                                \
-    "ply\nformat " format " 1.0\nelement vertex " n_vertices                                                             \
-    "\nproperty float x\nproperty float y\nproperty float z\nelement face " n_faces                                      \
+#define HEAD(format, n_vertices, n_faces)                                                                              \
+    "ply\nformat " format " 1.0\nelement vertex " n_vertices                                                           \
+    "\nproperty float x\nproperty float y\nproperty float z\nelement face " n_faces                                    \
     "\nproperty list uchar int vertex_indices\nend_header\n"
 
 static void test_text(void **state)
@@ -32,14 +32,14 @@ static void test_text_with_everything(void **state)
     /* lines end as on Windows; comments; unknown elements and properties; normals to be made unit; the
      * older name of the list; faces before vertices; no line end at the end */
     Mesh *mesh = load("ply\r\nformat ascii 1.0\r\ncomment made by hand\r\nobj_info nothing\r\n"
-                           "element strange 2\r\nproperty list uchar float values\r\nproperty double d\r\n"
-                           "element face 1\r\nproperty uchar red\r\nproperty list uint8 uint32 vertex_index\r\n"
-                           "property list uchar float texcoord\r\n"
-                           "element vertex 3\r\nproperty double z\r\nproperty float64 y\r\nproperty float32 x\r\n"
-                           "property uchar red\r\nproperty float nx\r\nproperty float ny\r\nproperty float nz\r\n"
-                           "property float s\r\nproperty float t\r\nelement edge 1\r\nproperty int vertex1\r\nend_header\r\n"
-                           "3 1 2 3 9\r\n0 8\r\n255 3 2 1 0 6 0 0 0 0 0 0\r\n"
-                           "3 2 1 255 0 0 2 0.5 0.25\r\n6 5 4 0 3 0 4 1 1\r\n9 8 7 1 0 1 0 0 0");
+                      "element strange 2\r\nproperty list uchar float values\r\nproperty double d\r\n"
+                      "element face 1\r\nproperty uchar red\r\nproperty list uint8 uint32 vertex_index\r\n"
+                      "property list uchar float texcoord\r\n"
+                      "element vertex 3\r\nproperty double z\r\nproperty float64 y\r\nproperty float32 x\r\n"
+                      "property uchar red\r\nproperty float nx\r\nproperty float ny\r\nproperty float nz\r\n"
+                      "property float s\r\nproperty float t\r\nelement edge 1\r\nproperty int vertex1\r\nend_header\r\n"
+                      "3 1 2 3 9\r\n0 8\r\n255 3 2 1 0 6 0 0 0 0 0 0\r\n"
+                      "3 2 1 255 0 0 2 0.5 0.25\r\n6 5 4 0 3 0 4 1 1\r\n9 8 7 1 0 1 0 0 0");
     assert_int_equal(mesh->n_triangles, 1);
     assert_int_equal(mesh->triangles[0][0], 2);
     assert_near((double)mesh->positions[1].x, 4, 0);
@@ -58,10 +58,22 @@ static void add_value(Buf *buf, const void *bytes, size_t size, bool big)
     for (size_t i = 0; i < size; i++) buf_add_bytes(buf, &at[big != machine_is_big ? size - 1 - i : i], 1);
 }
 
-static void add_double(Buf *buf, double x, bool big) { add_value(buf, &x, sizeof x, big); }
-static void add_float(Buf *buf, float x, bool big) { add_value(buf, &x, sizeof x, big); }
-static void add_short(Buf *buf, int16_t x, bool big) { add_value(buf, &x, sizeof x, big); }
-static void add_int(Buf *buf, int32_t x, bool big) { add_value(buf, &x, sizeof x, big); }
+static void add_double(Buf *buf, double x, bool big)
+{
+    add_value(buf, &x, sizeof x, big);
+}
+static void add_float(Buf *buf, float x, bool big)
+{
+    add_value(buf, &x, sizeof x, big);
+}
+static void add_short(Buf *buf, int16_t x, bool big)
+{
+    add_value(buf, &x, sizeof x, big);
+}
+static void add_int(Buf *buf, int32_t x, bool big)
+{
+    add_value(buf, &x, sizeof x, big);
+}
 
 /* A tetrahedron with mixed types, elements to pass over, and a face of four corners. */
 static void add_binary(Buf *buf, bool big)
@@ -144,9 +156,12 @@ static void test_header_refusals(void **state)
     refuse("ply\nelement vertex 3\nelement vertex 4\n", "'vertex' twice");
     refuse("ply\nformat ascii 1.0\nnonsense\n", "':3: unknown word 'nonsense'");
     refuse("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nelement face 1\n"
-           "property list uchar int vertex_indices\nend_header\n0 0\n3 0 0 0\n", "lack one of x, y and z");
-    refuse("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
-           "property list uchar int corners\nend_header\n0 0 0\n3 0 0 0\n", "no list 'vertex_indices'");
+           "property list uchar int vertex_indices\nend_header\n0 0\n3 0 0 0\n",
+           "lack one of x, y and z");
+    refuse("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nelement "
+           "face 1\n"
+           "property list uchar int corners\nend_header\n0 0 0\n3 0 0 0\n",
+           "no list 'vertex_indices'");
     refuse(HEAD("ascii", "0", "0"), "has no vertices");
     refuse(HEAD("ascii", "1", "0") "0 0 0\n", "has no faces");
 }
@@ -160,7 +175,8 @@ static void test_body_refusals(void **state)
     refuse(HEAD("ascii", "2", "1") "0.25 0.25 0.25\n1 1\n", "ends inside vertex 1 of 2");
     refuse(HEAD("ascii", "1", "2") "0 0 0\n3 0 0 0\n3 0", "ends inside face 1 of 2");
     refuse(HEAD("ascii", "3", "1") "0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n", "vertex 1 of 3 has 'nan'");
-    refuse(HEAD("ascii", "3", "1") "0 0 0\n1 1e39 0\n0 1 0\n3 0 1 2\n", "vertex 1 of 3 has a coordinate that is not finite");
+    refuse(HEAD("ascii", "3", "1") "0 0 0\n1 1e39 0\n0 1 0\n3 0 1 2\n",
+           "vertex 1 of 3 has a coordinate that is not finite");
     refuse(HEAD("ascii", "3", "1") "0 0 0\n1 1,5 0\n0 1 0\n3 0 1 2\n", "'1,5'");
     refuse(HEAD("ascii", "3", "2") "0 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 1 3\n", "face 1 of 2 uses vertex 3; there are 3");
     refuse(HEAD("ascii", "3", "1") "0 0 0\n1 1 0\n0 1 0\n3 0 1 -1\n", "uses vertex -1");
@@ -184,12 +200,15 @@ static void test_round_trip(void **state)
     Mesh *sphere = icosphere(3, 4), *mesh = NULL;
     assert_non_null(sphere);
     Buf buf = {0};
-    buf_format(&buf, "ply\nformat binary_big_endian 1.0\nelement vertex %u\nproperty float x\nproperty float y\nproperty float z\n"
-               "property float nx\nproperty float ny\nproperty float nz\nelement face %u\n"
-               "property list uchar uint vertex_indices\nend_header\n", sphere->n_vertices, sphere->n_triangles);
+    buf_format(
+        &buf,
+        "ply\nformat binary_big_endian 1.0\nelement vertex %u\nproperty float x\nproperty float y\nproperty float z\n"
+        "property float nx\nproperty float ny\nproperty float nz\nelement face %u\n"
+        "property list uchar uint vertex_indices\nend_header\n",
+        sphere->n_vertices, sphere->n_triangles);
     for (uint32_t i = 0; i < sphere->n_vertices; i++) {
         const float values[6] = {sphere->positions[i].x, sphere->positions[i].y, sphere->positions[i].z,
-                                 sphere->normals[i].x, sphere->normals[i].y, sphere->normals[i].z};
+                                 sphere->normals[i].x,   sphere->normals[i].y,   sphere->normals[i].z};
         for (int k = 0; k < 6; k++) add_float(&buf, values[k], true);
     }
     for (uint32_t i = 0; i < sphere->n_triangles; i++) {

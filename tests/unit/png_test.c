@@ -116,8 +116,8 @@ static void other_kinds_are_read(void **state)
     for (size_t k = 0; k < COUNT_OF(kinds); k++) {
         png_byte bytes[64], palette[6] = {10, 20, 30, 255, 255, 255};
         memset(bytes, 1, sizeof bytes);
-        png_image file = {.version = PNG_IMAGE_VERSION, .width = 4, .height = 4, .format = kinds[k].format,
-                          .colormap_entries = 2};
+        png_image file = {
+            .version = PNG_IMAGE_VERSION, .width = 4, .height = 4, .format = kinds[k].format, .colormap_entries = 2};
         assert_true(png_image_write_to_file(&file, in_folder("kind.png"), 0, bytes, 0, palette));
         Image image;
         Error error = {0};

@@ -67,8 +67,8 @@ static void type_b(void **state)
     /* 2 to the left, 0 to the right, and in between from 0 below to 2 above */
     CHECK("lamp_b.ies\"  to = <0, 0, -1>", {by_b(0, 0), 1}, {by_b(90, 0), 2}, {by_b(-90, 0), 0}, {by_b(45, 0), 1.5},
           {by_b(-45, 0), 0.5}, {by_b(0, 45), 0.5}, {by_b(0, -45), 1.5}, {by_b(0, 89.999), 0.001 / 90},
-          {by_b(0, -89.999), 2 - 0.001 / 90}, {by_b(45, 45), 0.75}, {by_b(-60, -30), 2.0 / 3 + (1.0 / 3) * 2.0 / 3}, {{0, 0, 1}, 0},
-          {{0.3, 0.2, 0.1}, 0});
+          {by_b(0, -89.999), 2 - 0.001 / 90}, {by_b(45, 45), 0.75}, {by_b(-60, -30), 2.0 / 3 + (1.0 / 3) * 2.0 / 3},
+          {{0, 0, 1}, 0}, {{0.3, 0.2, 0.1}, 0});
     /* the same from the side: towards +x, with z to the right */
     CHECK("lamp_b.ies\"  to = <1, 0, 0>", {{1, 0, 0}, 1}, {{1, 1, 0}, 1.5}, {{1, 0, 1}, 0.5}, {{1, 0, -1}, 1.5});
     /* by a factor, and turned by a transform about its axis: what was up is left */

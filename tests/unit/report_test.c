@@ -74,13 +74,15 @@ static void what_mixes_stands_below(void **state)
 static void nameless_media_are_told_apart(void **state)
 {
     (void)state;
-    char *text = report_of("meniscus 1.0 unit mm def dye(n) = medium { ior = n } def double(n) = dye(2 * n) let ink = double(.65)\n"
-                           "let oil = medium { ior = 1.45 } sphere { interior = ink  center = <0, -5, 0> } let bead = sphere { interior = medium "
-                           "{ ior = 1.6 } } bead { } "
-                           "bead { translate(9 * x) } sphere ball { interior = oil center = <0, 5, 0> } world { medium "
-                           "= medium { ior = 1.1 } } "
-                           "union pair { sphere { center = <0, 9, 0> } interior = medium { ior = 1.7 } } " FIXTURE_VIEW,
-                           false);
+    char *text = report_of(
+        "meniscus 1.0 unit mm def dye(n) = medium { ior = n } def double(n) = dye(2 * n) let ink = double(.65)\n"
+        "let oil = medium { ior = 1.45 } sphere { interior = ink  center = <0, -5, 0> } let bead = sphere { interior = "
+        "medium "
+        "{ ior = 1.6 } } bead { } "
+        "bead { translate(9 * x) } sphere ball { interior = oil center = <0, 5, 0> } world { medium "
+        "= medium { ior = 1.1 } } "
+        "union pair { sphere { center = <0, 9, 0> } interior = medium { ior = 1.7 } } " FIXTURE_VIEW,
+        false);
     assert_has(text, "  medium of the world  index 1.1");
     assert_has(text, "  oil                  index 1.45\n");
     assert_has(text, "  ink                  index 1.3\n");
@@ -280,10 +282,12 @@ static void paint_is_seen(void **state)
 {
     (void)state;
     Fixture f;
-    fixture_compile(&f, GLASS "sphere a { interior = glass  surface = surface { transmission = .5 } }"
-                              "sphere b { interior = glass  radius = .5  surface = surface { transmission = 0 } }"
-                              "box c { interior = air  surface = surface { transmission = 0 }  size = <1, 1, 1> "
-                              "translate(<9, 0, 0>) }" VIEW, 1);
+    fixture_compile(&f,
+                    GLASS "sphere a { interior = glass  surface = surface { transmission = .5 } }"
+                          "sphere b { interior = glass  radius = .5  surface = surface { transmission = 0 } }"
+                          "box c { interior = air  surface = surface { transmission = 0 }  size = <1, 1, 1> "
+                          "translate(<9, 0, 0>) }" VIEW,
+                    1);
     report_remarks(f.compiled, &f.diag);
     assert_int_equal(f.diag.n_remarks, 0);
     fixture_clear(&f);
@@ -395,7 +399,8 @@ static void what_may_be_seen_is_not_enclosed(void **state)
         "lathe a { profile = [<0, 0>, <20, 0>, <20, 60>, <16, 60>, <16, 4>, <0, 4>]" OPAQUE "}"
         "sphere b { radius = 5 center = <0, 20, 0>" OPAQUE "}",
         "difference a { box { size = <9, 9, 9> } box { size = <3, 3, 20> }" OPAQUE "} sphere b { radius = 1" OPAQUE "}",
-        "difference a { box { size = <9, 9, 9> } box { size = <3, 3, 20> translate(<2, 0, 0>) } box { size = <3, 3, 20> "
+        "difference a { box { size = <9, 9, 9> } box { size = <3, 3, 20> translate(<2, 0, 0>) } box { size = <3, 3, "
+        "20> "
         "translate(<-2, 0, 0>) }" OPAQUE "} cylinder b { from = <-2, 0, 0> to = <2, 0, 0> radius = .4" OPAQUE "}",
         /* what light goes through, and what is clear */
         "sphere a { radius = 5 surface = surface { ior = 1.5  transmission = 1  thin = true } } sphere b {" OPAQUE "}",

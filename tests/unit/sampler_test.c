@@ -265,7 +265,8 @@ static void errors_are_blue(void **state)
                                     {"disc", disc, acos(-1) * 0.16},
                                     {"product", product, bump_mean()},
                                     {"choice", choice, 0.3 * 1.5 + 0.7 * 0.25}};
-    static const double most[5][3] = {{0.3, 0.3, 0.3}, {0.35, 0.3, 0.3}, {0.65, 0.6, 0.55}, {0.5, 0.75, 1}, {0.35, 0.35, 0.4}};
+    static const double most[5][3] = {
+        {0.3, 0.3, 0.3}, {0.35, 0.3, 0.3}, {0.65, 0.6, 0.55}, {0.5, 0.75, 1}, {0.35, 0.35, 0.4}};
     static double white[WIDTH * WIDTH], blue[WIDTH * WIDTH];
     for (int i = 0; i < 5; i++) {
         print_message("%-8s low frequencies against white noise:", integrands[i].name);

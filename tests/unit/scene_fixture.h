@@ -21,7 +21,7 @@ typedef struct Fixture {
 #define FIXTURE_VIEW " camera { from = <0, 0, 1000>  to = <0, 0, 0> } environment { } "
 #define FIXTURE_MEDIA                                                                                                  \
     "meniscus 1.0 unit mm medium glass { ior = 1.5  state = solid } medium water { ior = 1.33  state = liquid } "      \
-    "medium ice { ior = 1.31  state = solid } medium gas { ior = 1  state = gas } medium oil { ior = 1.47 } "           \
+    "medium ice { ior = 1.31  state = solid } medium gas { ior = 1  state = gas } medium oil { ior = 1.47 } "          \
     "let _to_choose_from = [glass, water, ice, gas, oil] "
 
 static inline void fixture_print(Fixture *fixture)

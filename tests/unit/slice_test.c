@@ -56,9 +56,9 @@ static bool has_color(const Cut *cut, uint32_t x, uint32_t y, const float rgb[3]
 
 #define DRINK                                                                                                          \
     FIXTURE_MEDIA                                                                                                      \
-        "lathe tumbler { interior = glass profile = [<0, 0>, <40, 0>, <40, 92>, <37, 92>, <37, 10>, <0, 10>] } "       \
-        "cylinder drink { interior = water from = <0, 9.5, 0> to = <0, 44, 0> radius = 37.5 } "                        \
-        "sphere bubble { interior = gas radius = 8 center = <5, 25, 0> } "
+    "lathe tumbler { interior = glass profile = [<0, 0>, <40, 0>, <40, 92>, <37, 92>, <37, 10>, <0, 10>] } "           \
+    "cylinder drink { interior = water from = <0, 9.5, 0> to = <0, 44, 0> radius = 37.5 } "                            \
+    "sphere bubble { interior = gas radius = 8 center = <5, 25, 0> } "
 #define VIEW FIXTURE_VIEW
 
 static void every_place_has_its_owner(void **state)
@@ -242,9 +242,9 @@ static void the_sign_of_micro_is_drawn(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_place_has_its_owner), cmocka_unit_test(thin_gaps_are_marked),
-        cmocka_unit_test(opaque_things_are_dark),    cmocka_unit_test(overlaps_are_hatched),
-        cmocka_unit_test(threads_do_not_matter),     cmocka_unit_test(planes_hold_what_they_cut),
+        cmocka_unit_test(every_place_has_its_owner),  cmocka_unit_test(thin_gaps_are_marked),
+        cmocka_unit_test(opaque_things_are_dark),     cmocka_unit_test(overlaps_are_hatched),
+        cmocka_unit_test(threads_do_not_matter),      cmocka_unit_test(planes_hold_what_they_cut),
         cmocka_unit_test(the_sign_of_micro_is_drawn),
     };
     return cmocka_run_group_tests_name("slice", tests, NULL, NULL);

@@ -88,7 +88,8 @@ static void blackbody_is_plancks(void **unused)
         for (int k = 0; k < SPECTRUM_SAMPLES; k++) assert_true(isfinite(table[k]) && table[k] >= 0);
         assert_float_equal((float)spectrum_luminance(&light), 1, 1e-5f);
         if (kelvin < 1000) continue;
-        double expected = pow(600.0 / 500, 5) * expm1(1.438776877e7 / (600 * kelvin)) / expm1(1.438776877e7 / (500 * kelvin));
+        double expected =
+            pow(600.0 / 500, 5) * expm1(1.438776877e7 / (600 * kelvin)) / expm1(1.438776877e7 / (500 * kelvin));
         double found = (double)spectrum_at_one(&light, 500) / (double)spectrum_at_one(&light, 600);
         assert_float_equal((float)(found / expected), 1, 2e-6f);
         double rgb[3];

@@ -15,8 +15,10 @@
 
 #define LOOK_ROWS                                                                                                      \
     {"interior", PROP_NODE, UNIT_NONE, 0, ANY, "medium", NULL, "what fills it"},                                       \
-    {"surface", PROP_NODE, UNIT_NONE, 0, ANY, "surface", NULL, "what covers it"},                                      \
-    {"priority", PROP_INTEGER, UNIT_NONE, 0, ANY, NULL, NULL, "larger is on top"}
+        {"surface", PROP_NODE, UNIT_NONE, 0, ANY, "surface", NULL, "what covers it"},                                  \
+    {                                                                                                                  \
+        "priority", PROP_INTEGER, UNIT_NONE, 0, ANY, NULL, NULL, "larger is on top"                                    \
+    }
 
 static const PropType medium_rows[] = {
     {"ior", PROP_SPECTRUM, UNIT_NONE, 0, 1, 4, NULL, "1", "refractive index"},

@@ -143,8 +143,10 @@ static void awkward_values_are_held(void **state)
             assert_int_equal(view_pixel(config, "sRGB", views[v], one, &error), STATUS_OK);
             for (int c = 0; c < 3; c++) {
                 assert_true(one[c] >= 0 && one[c] <= 1);
-                if (awkward[i] > 0) assert_true(all[c] == 1);
-                else assert_true(all[c] < 0.01f);
+                if (awkward[i] > 0)
+                    assert_true(all[c] == 1);
+                else
+                    assert_true(all[c] < 0.01f);
             }
             if (isnan(awkward[i])) assert_true(one[1] > .1f);
         }
@@ -158,7 +160,8 @@ static void alpha_and_other_channels_are_left(void **state)
     Image image;
     assert_int_equal(image_new(3, 2, names, 5, &image, &error), STATUS_OK);
     for (size_t i = 0; i < 30; i++) image.pixels[i] = i % 5 == 4 ? 500 : .18f;
-    assert_int_equal(color_view(config, &(ColorLook){.display = "sRGB", .view = "Un-tone-mapped"}, &image, &error), STATUS_OK);
+    assert_int_equal(color_view(config, &(ColorLook){.display = "sRGB", .view = "Un-tone-mapped"}, &image, &error),
+                     STATUS_OK);
     for (size_t i = 0; i < 30; i++) assert_near(image.pixels[i], i % 5 == 4 ? 500 : i % 5 == 0 ? .18 : .46136, 1e-4);
     image_clear(&image);
 }
@@ -209,14 +212,14 @@ static Status open_text(const char *text, ColorConfig **color, Error *error)
     return status;
 }
 
-#define CONFIG_HEAD \
-    "ocio_profile_version: 2\n" \
-    "search_path: \"\"\n" \
+#define CONFIG_HEAD                                                                                                    \
+    "ocio_profile_version: 2\n"                                                                                        \
+    "search_path: \"\"\n"                                                                                              \
     "displays:\n  d:\n    - !<View> {name: plain, colorspace: out}\n"
-#define CONFIG_OUT \
-    "  - !<ColorSpace>\n    name: out\n    isdata: false\n" \
-    "    from_reference: !<GroupTransform>\n      children:\n" \
-    "        - !<BuiltinTransform> {style: UTILITY - ACES-AP0_to_CIE-XYZ-D65_BFD}\n" \
+#define CONFIG_OUT                                                                                                     \
+    "  - !<ColorSpace>\n    name: out\n    isdata: false\n"                                                            \
+    "    from_reference: !<GroupTransform>\n      children:\n"                                                         \
+    "        - !<BuiltinTransform> {style: UTILITY - ACES-AP0_to_CIE-XYZ-D65_BFD}\n"                                   \
     "        - !<BuiltinTransform> {style: DISPLAY - CIE-XYZ-D65_to_sRGB}\n"
 
 /* A config whose reference is ACES2065-1 and which does not know Rec.709 by name. */
@@ -225,12 +228,12 @@ static void a_config_is_reached_through_interchange(void **state)
     (void)state;
     ColorConfig *color;
     Error error = {0};
-    Status status = open_text(CONFIG_HEAD
-                              "roles:\n  aces_interchange: ap0\n  scene_linear: ap1\n  default: ap0\n"
+    Status status =
+        open_text(CONFIG_HEAD "roles:\n  aces_interchange: ap0\n  scene_linear: ap1\n  default: ap0\n"
                               "colorspaces:\n  - !<ColorSpace>\n    name: ap0\n    isdata: false\n"
                               "  - !<ColorSpace>\n    name: ap1\n    isdata: false\n"
                               "    to_reference: !<BuiltinTransform> {style: ACEScg_to_ACES2065-1}\n" CONFIG_OUT,
-                              &color, &error);
+                  &color, &error);
     if (status != STATUS_OK) fail_msg("%s", error.text);
     float rgb[3] = {1, .18f, 0}, ap1[3] = {1, 0, 0};
     assert_int_equal(view_pixel(color, "d", "plain", rgb, &error), STATUS_OK);
@@ -264,10 +267,9 @@ static void unusable_configs_are_refused(void **state)
     (void)state;
     ColorConfig *color;
     Error error = {0};
-    Status status = open_text(CONFIG_HEAD
-                              "roles:\n  scene_linear: mine\n  default: mine\n"
-                              "colorspaces:\n  - !<ColorSpace>\n    name: mine\n    isdata: false\n"
-                              "  - !<ColorSpace>\n    name: out\n    isdata: false\n",
+    Status status = open_text(CONFIG_HEAD "roles:\n  scene_linear: mine\n  default: mine\n"
+                                          "colorspaces:\n  - !<ColorSpace>\n    name: mine\n    isdata: false\n"
+                                          "  - !<ColorSpace>\n    name: out\n    isdata: false\n",
                               &color, &error);
     assert_int_equal(status, STATUS_INPUT);
     assert_null(color);
