@@ -218,48 +218,71 @@ static bool is_below(const SceneObject *plane, Vec3 place)
     return affine_invert(&plane->to_world, &to_plane) && height_of(&to_plane, place) < 0;
 }
 
-/* Whether a place is within an object, or an operand, by what a line from there meets. */
-static bool leads_out(const Remarks *r, Vec3 place, uint32_t object, const HitList *hits)
+/* Whether a place is within an object that is no combination, by what a line from there meets. */
+static bool leads_out(uint32_t object, const HitList *hits)
 {
     int leaving = 0;
-    if (scene_is_plane(r->scene, object)) return is_below(&r->scene->objects[object], place);
     for (size_t i = 0; i < hits->n; i++)
         if (hits->items[i].object == object && !hit_repeats(hits, i)) leaving += hits->items[i].entering ? -1 : 1;
     return leaving == 1;
 }
 
-/* The same for a part of a combination, of which it follows from the operands. */
-static bool leads_out_of_part(const Remarks *r, Vec3 place, uint32_t number, const HitList *hits)
+static bool is_within_combination(Remarks *r, Vec3 place, uint32_t tree)
 {
-    const NestPart *part = &r->scene->parts[number];
-    if (part->operation == NEST_OPERAND) return leads_out(r, place, r->scene->operands[part->begin], hits);
-    for (uint32_t i = 0; i < part->n_children; i++) {
-        bool within = leads_out_of_part(r, place, part->first_child + i, hits);
-        if (part->operation == NEST_UNION && within) return true;
-        if (part->operation == NEST_INTERSECTION && !within) return false;
-        if (part->operation == NEST_DIFFERENCE && within != (i == 0)) return false;
-    }
-    return part->operation != NEST_UNION;
-}
-
-static bool leads_out_of_object(const Remarks *r, Vec3 place, uint32_t object, const HitList *hits)
-{
-    uint32_t tree = r->scene->objects[object].tree;
-    return tree == SCENE_NONE ? leads_out(r, place, object, hits)
-                              : leads_out_of_part(r, place, r->scene->trees[tree].root, hits);
+    NestList list;
+    nest_list_init(&list);
+    Status status = compiled_interior(r->compiled, vec3f_from(place), 0, &r->probe.forward, &list, NULL);
+    bool within = status == STATUS_OK && nest_csg_holds(&r->compiled->csg, tree, &list);
+    nest_list_clear(&list);
+    return within;
 }
 
 /* Whether a place is within an object, which need not be closed: as lines in three directions have it. */
 static bool is_within(Remarks *r, Vec3 place, uint32_t object)
 {
+    uint32_t tree = r->scene->objects[object].tree;
     if (is_plane(r->scene, object)) return is_below(&r->scene->objects[object], place);
+    if (tree != SCENE_NONE) return is_within_combination(r, place, tree);
     for (int direction = 0; direction < LINE_DIRECTIONS; direction++) {
         Ray ray = ray_make(place, vec3f_from(line_direction(direction)));
-        HitList *hits = &r->probe.forward;
-        rtc_all(r->compiled->rtc, &ray, false, hits);
-        if (!leads_out_of_object(r, place, object, hits)) return false;
+        rtc_all(r->compiled->rtc, &ray, false, &r->probe.forward);
+        if (!leads_out(object, &r->probe.forward)) return false;
     }
     return true;
+}
+
+/* In the shape's own frame; empty for a plane. */
+static Box3 shape_bounds(const SceneShape *shape)
+{
+    Box3 box = box3_empty();
+    if (shape->mesh)
+        box = mesh_bounds(shape->mesh);
+    else if (shape->solid && shape->solid->pieces[0].kind != PIECE_PLANE)
+        for (uint32_t i = 0; i < shape->solid->n_pieces; i++)
+            box = box3_union(box, piece_bounds(&shape->solid->pieces[i]));
+    return box;
+}
+
+/* Of each object, in the world; empty for operands of combinations, which count for nothing by themselves. A
+ * combination lies within the bounds of its operands. false when memory ends. */
+static bool find_bounds(Remarks *r)
+{
+    const Scene *scene = r->scene;
+    r->bounds = malloc((scene->n_objects ? scene->n_objects : 1) * sizeof *r->bounds);
+    Box3 *shapes = malloc((scene->n_shapes ? scene->n_shapes : 1) * sizeof *shapes);
+    bool ready = r->bounds && shapes;
+    for (uint32_t i = 0; ready && i < scene->n_shapes; i++) shapes[i] = shape_bounds(&scene->shapes[i]);
+    for (uint32_t i = 0; ready && i < scene->n_objects; i++) r->bounds[i] = box3_empty();
+    for (uint32_t i = 0; ready && i < scene->n_objects; i++) {
+        const SceneObject *object = &scene->objects[i];
+        uint32_t whole = scene_whole(scene, i);
+        if (object->shape != SCENE_NONE && is_bounded(&shapes[object->shape]))
+            r->bounds[whole] = box3_union(r->bounds[whole], affine_box(&object->to_world, shapes[object->shape]));
+    }
+    for (uint32_t h = 0; ready && h < r->compiled->n_hulls; h++)
+        r->bounds[r->compiled->object_of_hull[h]] = r->compiled->hull_bounds[h];
+    free(shapes);
+    return ready;
 }
 
 /* A room that is lit within is a room. */
@@ -474,17 +497,18 @@ static bool is_opaque(const Remarks *r, uint32_t object)
            r->scene->objects[object].part_of == SCENE_NONE && r->scene->objects[object].light == SCENE_NONE;
 }
 
-/* The first opaque object that a place is inside of; SCENE_NONE. Lines in other directions are for what the first one leaves. */
+/* The first opaque object that a place is inside of; SCENE_NONE. Looked at are those that a line from there leaves. */
 static uint32_t find_cover(Remarks *r, Vec3 place)
 {
     HitList hits = {0};
     Ray ray = ray_make(place, vec3f_from(line_direction(0)));
-    uint32_t cover = SCENE_NONE;
+    uint32_t cover = SCENE_NONE, last = SCENE_NONE;
     rtc_all(r->compiled->rtc, &ray, false, &hits);
     for (size_t i = 0; i < hits.n && cover == SCENE_NONE; i++) {
-        uint32_t object = scene_whole(r->scene, hits.items[i].object);
-        bool leaves = !hits.items[i].entering && is_opaque(r, object) && leads_out_of_object(r, place, object, &hits);
-        if (leaves && is_within(r, place, object)) cover = object;
+        uint32_t met = hits.items[i].object, object = scene_whole(r->scene, met);
+        if (hits.items[i].entering || object == last || !is_opaque(r, object)) continue;
+        last = object;
+        if ((object != met || leads_out(object, &hits)) && is_within(r, place, object)) cover = object;
     }
     for (uint32_t i = 0; i < r->scene->n_objects && cover == SCENE_NONE; i++)
         if (is_plane(r->scene, i) && is_opaque(r, i) && is_within(r, place, i)) cover = i;
@@ -514,7 +538,7 @@ static void remark_covered_cameras(Remarks *r, uint32_t first, uint32_t end)
         double part = 1;
         bool wide = camera->projection == PROJECTION_ORTHOGRAPHIC && !camera->expect; /* else it is a section */
         uint32_t cover = wide ? find_plane_cover(r, camera, &part) : find_cover(r, camera->from);
-        if (cover == SCENE_NONE || holds_light(r, cover)) continue;
+        if (cover == SCENE_NONE || (!r->bounds && !find_bounds(r)) || holds_light(r, cover)) continue;
         const SceneObject *object = &r->scene->objects[cover];
         Buf what = {0};
         if (part < 1) buf_format(&what, "about %.2g %% of the picture plane of ", 100 * part);
@@ -657,40 +681,6 @@ static void remark_many_scatterings(Remarks *r)
     tally_end(r, &tally);
 }
 
-/* In the shape's own frame; empty for a plane. */
-static Box3 shape_bounds(const SceneShape *shape)
-{
-    Box3 box = box3_empty();
-    if (shape->mesh)
-        box = mesh_bounds(shape->mesh);
-    else if (shape->solid && shape->solid->pieces[0].kind != PIECE_PLANE)
-        for (uint32_t i = 0; i < shape->solid->n_pieces; i++)
-            box = box3_union(box, piece_bounds(&shape->solid->pieces[i]));
-    return box;
-}
-
-/* Of each object, in the world; empty for operands of combinations, which count for nothing by themselves. A
- * combination lies within the bounds of its operands. false when memory ends. */
-static bool find_bounds(Remarks *r)
-{
-    const Scene *scene = r->scene;
-    r->bounds = malloc((scene->n_objects ? scene->n_objects : 1) * sizeof *r->bounds);
-    Box3 *shapes = malloc((scene->n_shapes ? scene->n_shapes : 1) * sizeof *shapes);
-    bool ready = r->bounds && shapes;
-    for (uint32_t i = 0; ready && i < scene->n_shapes; i++) shapes[i] = shape_bounds(&scene->shapes[i]);
-    for (uint32_t i = 0; ready && i < scene->n_objects; i++) r->bounds[i] = box3_empty();
-    for (uint32_t i = 0; ready && i < scene->n_objects; i++) {
-        const SceneObject *object = &scene->objects[i];
-        uint32_t whole = scene_whole(scene, i);
-        if (object->shape != SCENE_NONE && is_bounded(&shapes[object->shape]))
-            r->bounds[whole] = box3_union(r->bounds[whole], affine_box(&object->to_world, shapes[object->shape]));
-    }
-    for (uint32_t h = 0; ready && h < r->compiled->n_hulls; h++)
-        r->bounds[r->compiled->object_of_hull[h]] = r->compiled->hull_bounds[h];
-    free(shapes);
-    return ready;
-}
-
 void report_remarks(const CompiledScene *compiled, Diag *diag)
 {
     Remarks r = {.compiled = compiled, .scene = compiled->scene, .diag = diag};
@@ -722,8 +712,7 @@ void report_remarks(const CompiledScene *compiled, Diag *diag)
 void report_covered_camera(const CompiledScene *compiled, uint32_t camera, Diag *diag)
 {
     Remarks r = {.compiled = compiled, .scene = compiled->scene, .diag = diag};
-    if (find_bounds(&r) && probe_init(&r.probe, compiled, NULL) == STATUS_OK)
-        remark_covered_cameras(&r, camera, camera + 1);
+    if (probe_init(&r.probe, compiled, NULL) == STATUS_OK) remark_covered_cameras(&r, camera, camera + 1);
     probe_clear(&r.probe);
     free(r.bounds);
 }

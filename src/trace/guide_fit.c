@@ -17,8 +17,8 @@
 #define UNKNOWN 0.05f
 /* Part of the directions that is chosen broadly. */
 #define BROAD 0.15f
-/* Colours that go farther apart than this, in radians, are those of a prism, whose lobes are not trusted by what photons of other
- * colours say: it costs a third of the error there, in water nothing. */
+/* Where colours go farther apart than this, in radians, as behind a prism, lobes are not trusted by what photons of other colours
+ * say: errors there were a fifth larger with that. The colours of water are nearer. */
 #define PARTED 0.01f
 /* Photons of a sheet, of many, that lobes are held to; and how many are enough to say that a lobe is right. */
 enum { HELD_TO = 48, ENOUGH = 16 };

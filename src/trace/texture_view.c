@@ -68,7 +68,7 @@ static Vec3 outward_of(const World *world, const SceneSurface *surface, const Ra
     return vec3_from_f(surface->textures_use_normal ? rtc_shading_normal(world->compiled->rtc, ray, hit) : hit->normal);
 }
 
-static void view_object(const World *world, const SceneSurface *surface, const Ray *ray, const Hit *hit,
+static void view_object(const World *world, const SceneSurface *surface, const Ray *ray, const Hit *hit, Vec3 outward,
                         double footprint, TextureView *view)
 {
     const Scene *scene = world->scene;
@@ -87,8 +87,7 @@ static void view_object(const World *world, const SceneSurface *surface, const R
         view->to_texture = &view->composed;
     }
     view->mirrored = affine_determinant(view->to_texture) < 0;
-    Vec3 outward = outward_of(world, surface, ray, hit),
-         normal = affine_outward(view->to_texture, view->mirrored, outward);
+    Vec3 normal = affine_outward(view->to_texture, view->mirrored, outward);
     if (surface->textures_use_uv) {
         view_uv(frame, at, outward, place);
     } else {
@@ -105,8 +104,8 @@ void texture_view(const World *world, const SceneSurface *surface, const Ray *ra
 {
     TexturePlace *place = &view->at;
     place->uv[0] = place->uv[1] = 0;
-    if (surface->textures_use_object) view_object(world, surface, ray, hit, footprint, view);
     place->world_normal = outward_of(world, surface, ray, hit);
+    if (surface->textures_use_object) view_object(world, surface, ray, hit, place->world_normal, footprint, view);
     place->world = beneath(ray_point(ray, hit->t), place->world_normal);
     place->world_footprint = footprint;
     place->time = ray->time;
