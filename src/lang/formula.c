@@ -26,6 +26,13 @@ static uint16_t new_register(Compiler *c, const Expr *expr)
     return 0;
 }
 
+uint16_t formula_new_constant(Compiler *c, double x)
+{
+    ARENA_ROOM(c->evaluator->arena, c->constants, c->constant_capacity, c->n_constants, 16);
+    c->constants[c->n_constants] = x;
+    return (uint16_t)(FORMULA_CONSTANTS + c->n_constants++);
+}
+
 uint16_t formula_constant(Compiler *c, const Expr *expr, double x)
 {
     for (uint32_t i = 0; i < c->n_constants; i++)
@@ -34,8 +41,14 @@ uint16_t formula_constant(Compiler *c, const Expr *expr, double x)
         refuse_size(c, expr);
         return 0;
     }
-    c->constants[c->n_constants] = x;
-    return (uint16_t)(FORMULA_CONSTANTS + c->n_constants++);
+    return formula_new_constant(c, x);
+}
+
+static void add_step(Compiler *c, ProgramStep step)
+{
+    if (c->failed) return;
+    ARENA_ROOM(c->evaluator->arena, c->steps, c->step_capacity, c->n_steps, 32);
+    c->steps[c->n_steps++] = step;
 }
 
 uint16_t formula_step(Compiler *c, const Expr *expr, ProgramOp op, uint16_t a, uint16_t b, uint16_t third)
@@ -45,16 +58,14 @@ uint16_t formula_step(Compiler *c, const Expr *expr, ProgramOp op, uint16_t a, u
         if (op != PROGRAM_UNARY && step->op == op && step->a == a && step->b == b && step->c == third) return step->to;
     }
     uint16_t to = new_register(c, expr);
-    if (!c->failed) c->steps[c->n_steps++] = (ProgramStep){.op = (uint16_t)op, .to = to, .a = a, .b = b, .c = third};
+    add_step(c, (ProgramStep){.op = (uint16_t)op, .to = to, .a = a, .b = b, .c = third});
     return to;
 }
 
 uint16_t formula_unary(Compiler *c, const Expr *expr, double (*unary)(double), ProgramShape shape, uint16_t a)
 {
     uint16_t to = new_register(c, expr);
-    if (!c->failed)
-        c->steps[c->n_steps++] =
-            (ProgramStep){.op = PROGRAM_UNARY, .to = to, .a = a, .shape = (uint16_t)shape, .unary = unary};
+    add_step(c, (ProgramStep){.op = PROGRAM_UNARY, .to = to, .a = a, .shape = (uint16_t)shape, .unary = unary});
     return to;
 }
 
@@ -348,8 +359,6 @@ static const Program *compile(const EvalFunctionValue *function, const Roles *ro
     Frame top = {.has_chain = true};
     const Def *def = function->def;
     begin(c, function, &top, &here);
-    c->steps = ARENA_ARRAY(c->evaluator->arena, ProgramStep, PROGRAM_MOST_REGISTERS);
-    c->constants = ARENA_ARRAY(c->evaluator->arena, double, PROGRAM_MOST_REGISTERS);
     Scope scope = scope_of_def(c, def, scope_of_frame(c, function->lexical));
     for (uint32_t i = 0; i < def->n_formals; i++) {
         if (roles->inputs[i] < 0) continue;

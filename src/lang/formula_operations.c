@@ -235,7 +235,7 @@ static Form entry_of(Compiler *c, Expr *expr, const Value *list_value, uint16_t 
         for (size_t i = 0; i < n; i++) {
             Value element = value_element(list_value, i);
             if (element.kind != first.kind) return form_refused(c, expr, "an element of a list of various things");
-            c->constants[c->n_constants++] = element.as.v[k];
+            formula_new_constant(c, element.as.v[k]);
         }
         result.at[k] = formula_step(c, expr, PROGRAM_ENTRY, index, table, formula_constant(c, expr, (double)n));
     }

@@ -40,7 +40,7 @@ typedef struct Compiler {
     const Scope *scope;
     ProgramStep *steps;
     double *constants;
-    uint32_t n_steps, n_constants, n_registers;
+    uint32_t n_steps, n_constants, n_registers, step_capacity, constant_capacity;
     unsigned depth;
     bool failed; /* after a report */
 } Compiler;
@@ -68,6 +68,7 @@ Form *formula_slot(const Compiler *c, Slot slot); /* NULL: it is not of a def th
 /* The register that holds the result; 0 after a report that the function is too long. What was asked for before is not
  * computed twice. */
 uint16_t formula_constant(Compiler *c, const Expr *expr, double x);
+uint16_t formula_new_constant(Compiler *c, double x); /* behind all others; whoever calls it keeps to the limit */
 uint16_t formula_step(Compiler *c, const Expr *expr, ProgramOp op, uint16_t a, uint16_t b, uint16_t third);
 uint16_t formula_unary(Compiler *c, const Expr *expr, double (*unary)(double), ProgramShape shape, uint16_t a);
 /* Numbers the registers as programs do; outputs too. false: there are too many. */

@@ -86,7 +86,7 @@ Status sky_new(const SkyModel *model, Environment **environment, float sun[SPECT
         Spectrum above = spectrum_blackbody(5778, sun);
         double scale = model->strength * illuminance / spectrum_luminance(&above);
         for (int i = 0; i < SPECTRUM_SAMPLES; i++) sun[i] = (float)(scale * (double)sun[i]);
-        status = environment_new_bands(values, WIDTH, HEIGHT, sun, environment, error);
+        status = environment_new_bands(values, WIDTH, HEIGHT, sun, model->pool, environment, error);
         for (int i = 0; i < SPECTRUM_SAMPLES; i++) {
             double nm = (double)SPECTRUM_MIN_NM + i * SPECTRUM_STEP_NM;
             sun[i] *= (float)(model->elevation > 0 ? air_sun_transmittance(model->turbidity, model->elevation, nm) : 0);
@@ -114,7 +114,7 @@ Status sky_new_overcast(const SkyModel *model, Environment **environment, Error 
         for (int i = 0; i < WIDTH * BANDS; i++)
             values[(size_t)row * WIDTH * BANDS + (size_t)i] = row < FIRST_LAND ? radiance : ground[i % BANDS];
     }
-    Status status = environment_new_bands(values, WIDTH, HEIGHT, white, environment, error);
+    Status status = environment_new_bands(values, WIDTH, HEIGHT, white, model->pool, environment, error);
     free(values);
     return status;
 }

@@ -14,6 +14,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdatomic.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -381,22 +382,34 @@ Status environment_new_constant(const Spectrum *radiance, Environment **environm
     return STATUS_OK;
 }
 
-/* false when a pixel is too bright for its integral to be a float. */
-static bool fill_texels(Environment *environment, const float *rgb, double scale)
+/* An image on its way into texels: row by row, by all threads. */
+typedef struct Upsampling {
+    Environment *environment;
+    const float *rgb;
+    double scale, peak; /* peak: of what a pixel is multiplied with, over all wavelengths */
+    float seen;         /* how bright the light about is */
+    atomic_bool is_too_bright;
+} Upsampling;
+
+static void upsample_row(void *context, uint32_t row, unsigned worker)
 {
-    size_t n = (size_t)environment->width * environment->height;
-    double peak = environment->has_light ? fmax(scale, scale * (double)spectrum_max(&environment->light)) : scale;
-    float seen = environment->has_light ? (float)spectrum_luminance(&environment->light) : 1;
-    for (size_t i = 0; i < n; i++) {
+    Upsampling *job = context;
+    Environment *environment = job->environment;
+    (void)worker;
+    for (size_t i = (size_t)row * environment->width; i < ((size_t)row + 1) * environment->width; i++) {
         Texel *texel = &environment->texels[i];
         float scaled[3], largest = 0;
         for (int c = 0; c < 3; c++) {
-            double value = scale * (double)rgb[3 * i + (size_t)c];
-            if (!(peak * (double)rgb[3 * i + (size_t)c] <= (double)ENVIRONMENT_BRIGHTEST)) return false;
-            scaled[c] = (float)value;
+            double value = (double)job->rgb[3 * i + (size_t)c];
+            if (!(job->peak * value <= (double)ENVIRONMENT_BRIGHTEST)) {
+                job->is_too_bright = true;
+                return;
+            }
+            scaled[c] = (float)(job->scale * value);
             if (scaled[c] > largest) largest = scaled[c];
         }
-        environment->luminance[i] = seen * color_luminance(scaled); /* with a light about: it is what is sampled by */
+        environment->luminance[i] =
+            job->seen * color_luminance(scaled); /* with a light about: it is what is sampled by */
         /* as in spectrum_from_light: grey is white exactly, a colour has its largest channel at 1/2 */
         bool grey = scaled[0] == scaled[1] && scaled[0] == scaled[2];
         texel->scale = grey ? largest : 2 * largest;
@@ -404,7 +417,18 @@ static bool fill_texels(Environment *environment, const float *rgb, double scale
             for (int c = 0; c < 3; c++) scaled[c] = scaled[c] / texel->scale;
         upsample_coefficients(scaled, texel->coefficients);
     }
-    return true;
+}
+
+/* false when a pixel is too bright for its integral to be a float. */
+static bool fill_texels(Environment *environment, const float *rgb, double scale, Pool *pool)
+{
+    Upsampling job = {.environment = environment, .rgb = rgb, .scale = scale, .peak = scale, .seen = 1};
+    if (environment->has_light) {
+        job.peak = fmax(scale, scale * (double)spectrum_max(&environment->light));
+        job.seen = (float)spectrum_luminance(&environment->light);
+    }
+    pool_run(pool, environment->height, upsample_row, &job);
+    return !job.is_too_bright;
 }
 
 /* Divides the sums up to n by the last, so that the table ends in 1; a table of zeros becomes even. */
@@ -423,8 +447,36 @@ static void fill_hints(const float *cdf, unsigned n, Hints *hints, size_t which)
     }
 }
 
-/* sums: room for the larger of width + 1 and height + 2 doubles, twice. */
-static void fill_tables(Environment *environment, double *sums, double *row_sums)
+/* Tables in the making: rows of cells by all threads. */
+typedef struct Summing {
+    Environment *environment;
+    double *row_sums; /* of each row of cells, and one more */
+    double *sums;     /* for each worker width + 1 */
+} Summing;
+
+static void sum_row(void *context, uint32_t row, unsigned worker)
+{
+    const Summing *job = context;
+    Environment *environment = job->environment;
+    unsigned width = environment->width;
+    double solid_angle = 4 * MEN_PI * (environment->edge[row + 1] - environment->edge[row]) / width;
+    double *sums = job->sums + (size_t)worker * (width + 1);
+    sums[0] = 0;
+    for (unsigned column = 0; column < width; column++) {
+        Corners at = corners_of(environment, row, column);
+        Lanes corner = cell_corners(environment, &at);
+        /* the mean of a bilinear function is that of its corners */
+        double mean = 0.25 * ((double)lanes_get(corner, 0) + (double)lanes_get(corner, 1) +
+                              (double)lanes_get(corner, 2) + (double)lanes_get(corner, 3));
+        sums[column + 1] = sums[column] + mean * solid_angle;
+    }
+    job->row_sums[row + 1] = sums[width];
+    float *cells = environment->cell_cdf + (size_t)row * (width + 1);
+    normalize_cdf(cells, sums, width);
+    fill_hints(cells, width, &environment->cell_hints, row);
+}
+
+static Status fill_tables(Environment *environment, Pool *pool, Error *error)
 {
     unsigned width = environment->width, height = environment->height;
     for (unsigned row = 0; row <= height + 1; row++) {
@@ -436,26 +488,18 @@ static void fill_tables(Environment *environment, double *sums, double *row_sums
         double top = MEN_PI * (row - 0.5) / height;
         environment->tops[row] = (RowTop){(float)cos(top), (float)sin(top)};
     }
+    size_t size = ((size_t)pool_threads(pool) * (width + 1) + height + 2) * sizeof(double);
+    double *row_sums = malloc(size);
+    if (!row_sums) return fail_memory(error, size, "an environment");
+    Summing job = {environment, row_sums, row_sums + height + 2};
+    pool_run(pool, height + 1, sum_row, &job);
     row_sums[0] = 0;
-    for (unsigned row = 0; row <= height; row++) {
-        double solid_angle = 4 * MEN_PI * (environment->edge[row + 1] - environment->edge[row]) / width;
-        sums[0] = 0;
-        for (unsigned column = 0; column < width; column++) {
-            Corners at = corners_of(environment, row, column);
-            Lanes corner = cell_corners(environment, &at);
-            /* the mean of a bilinear function is that of its corners */
-            double mean = 0.25 * ((double)lanes_get(corner, 0) + (double)lanes_get(corner, 1) +
-                                  (double)lanes_get(corner, 2) + (double)lanes_get(corner, 3));
-            sums[column + 1] = sums[column] + mean * solid_angle;
-        }
-        row_sums[row + 1] = row_sums[row] + sums[width];
-        float *cells = environment->cell_cdf + (size_t)row * (width + 1);
-        normalize_cdf(cells, sums, width);
-        fill_hints(cells, width, &environment->cell_hints, row);
-    }
+    for (unsigned row = 0; row <= height; row++) row_sums[row + 1] += row_sums[row];
     normalize_cdf(environment->row_cdf, row_sums, height + 1);
     fill_hints(environment->row_cdf, height + 1, &environment->row_hints, 0);
     environment->power = (float)row_sums[height + 1];
+    free(row_sums);
+    return STATUS_OK;
 }
 
 /* For tables of so many steps each: one or two of them between hints, where they are even. */
@@ -467,18 +511,15 @@ static Hints new_hints(size_t n_tables, unsigned n_steps)
     return hints;
 }
 
-/* Without any pixels yet. *sums: room for fill_tables, the caller's to free. */
-static Status new_pixels(unsigned width, unsigned height, bool in_bands, Environment **environment, double **sums,
-                         Error *error)
+/* Without any pixels yet. */
+static Status new_pixels(unsigned width, unsigned height, bool in_bands, Environment **environment, Error *error)
 {
     const unsigned largest = 1u << 17; /* keeps the products below in 64 bits */
     if (width == 0 || height == 0 || width > largest || height > largest)
         return fail(error, STATUS_INPUT, "an environment of %u by %u pixels; 1 to %u are possible each way", width,
                     height, largest);
     size_t n = (size_t)width * height, n_cells = ((size_t)width + 1) * ((size_t)height + 1);
-    size_t longest = (width > height ? (size_t)width : (size_t)height) + 2;
     Environment *made = calloc(1, sizeof *made);
-    *sums = malloc(2 * longest * sizeof **sums);
     if (made) {
         made->is_image = true;
         made->width = width;
@@ -498,39 +539,32 @@ static Status new_pixels(unsigned width, unsigned height, bool in_bands, Environ
         made->edge = malloc(((size_t)height + 2) * sizeof *made->edge);
         if (height >= ROWS_FOR_TERMS) made->tops = malloc(((size_t)height + 1) * sizeof *made->tops);
     }
-    if (!*sums || !made || !(made->texels || (made->parts && made->spectra)) || !made->luminance || !made->row_cdf ||
+    if (!made || !(made->texels || (made->parts && made->spectra)) || !made->luminance || !made->row_cdf ||
         !made->cell_cdf || !made->row_hints.first || !made->cell_hints.first || !made->edge ||
         (height >= ROWS_FOR_TERMS && !made->tops)) {
         environment_free(made);
-        free(*sums);
         return fail_memory(error, n * (sizeof *made->texels + 2 * sizeof(float)), "an environment");
     }
     *environment = made;
     return STATUS_OK;
 }
 
-static double *second_half(const Environment *environment, double *sums)
-{
-    return sums + (environment->width > environment->height ? environment->width : environment->height) + 2;
-}
-
 Status environment_new_image(const float *rgb, unsigned width, unsigned height, double scale, const Spectrum *light,
-                             Environment **environment, Error *error)
+                             Pool *pool, Environment **environment, Error *error)
 {
     Environment *made;
-    double *sums;
-    TRY(new_pixels(width, height, false, &made, &sums, error));
+    TRY(new_pixels(width, height, false, &made, error));
     made->has_light = light != NULL;
     if (light) made->light = *light;
-    bool filled = fill_texels(made, rgb, scale);
-    if (filled) fill_tables(made, sums, second_half(made, sums));
-    free(sums);
-    if (!filled) {
+    Status status =
+        fill_texels(made, rgb, scale, pool)
+            ? fill_tables(made, pool, error)
+            : fail(error, STATUS_INPUT, "an environment with a pixel above %g", (double)ENVIRONMENT_BRIGHTEST);
+    if (status == STATUS_OK)
+        *environment = made;
+    else
         environment_free(made);
-        return fail(error, STATUS_INPUT, "an environment with a pixel above %g", (double)ENVIRONMENT_BRIGHTEST);
-    }
-    *environment = made;
-    return STATUS_OK;
+    return status;
 }
 
 /* What a value of 1 in one band adds to the luminance. */
@@ -597,15 +631,13 @@ static Status fill_bands(Environment *environment, const float *values, const fl
     return STATUS_OK;
 }
 
-Status environment_new_bands(const float *values, unsigned width, unsigned height, const float *light,
+Status environment_new_bands(const float *values, unsigned width, unsigned height, const float *light, Pool *pool,
                              Environment **environment, Error *error)
 {
     Environment *made;
-    double *sums;
-    TRY(new_pixels(width, height, true, &made, &sums, error));
+    TRY(new_pixels(width, height, true, &made, error));
     Status status = fill_bands(made, values, light, error);
-    if (status == STATUS_OK) fill_tables(made, sums, second_half(made, sums));
-    free(sums);
+    if (status == STATUS_OK) status = fill_tables(made, pool, error);
     if (status == STATUS_OK)
         *environment = made;
     else

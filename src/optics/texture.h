@@ -3,6 +3,7 @@
 #ifndef MEN_TEXTURE_H
 #define MEN_TEXTURE_H
 
+#include "base/pool.h"
 #include "base/status.h"
 #include "base/vec3.h"
 #include "optics/color.h"
@@ -16,16 +17,17 @@ typedef struct Environment Environment;
  * direction -z turned so that u = 0.5 + atan2(x, -z) / (2 pi); negative and non-finite values are the
  * caller's to refuse. The pixels are copied (upsampled to spectra). scale multiplies the radiance. light: what a pixel of
  * (1,1,1) shines with, NULL for white; copied, but for a table that it points to. STATUS_INPUT when
- * a side is 0 or above 131072, or when a pixel times scale is above ENVIRONMENT_BRIGHTEST; STATUS_NOMEM. */
+ * a side is 0 or above 131072, or when a pixel times scale is above ENVIRONMENT_BRIGHTEST; STATUS_NOMEM. The same for any pool,
+ * NULL included. */
 ATTR_NODISCARD Status environment_new_image(const float *rgb, unsigned width, unsigned height, double scale,
-                                            const Spectrum *light, Environment **environment, Error *error);
+                                            const Spectrum *light, Pool *pool, Environment **environment, Error *error);
 /* From the scene towards the middle of a pixel of such an image; of length 1. */
 Vec3 environment_pixel_direction(unsigned width, unsigned height, unsigned column, unsigned row);
 /* By wavelengths: width * height * ENVIRONMENT_BANDS values at evenly spread wavelengths, from SPECTRUM_MIN_NM to
  * SPECTRUM_MAX_NM, linear in between; light: SPECTRUM_SAMPLES values that all of them are multiplied with. Copied. */
 enum { ENVIRONMENT_BANDS = 16 };
 ATTR_NODISCARD Status environment_new_bands(const float *values, unsigned width, unsigned height, const float *light,
-                                            Environment **environment, Error *error);
+                                            Pool *pool, Environment **environment, Error *error);
 /* The same radiance from everywhere. The spectrum is copied; a table that it points to must live as long. */
 ATTR_NODISCARD Status environment_new_constant(const Spectrum *radiance, Environment **environment, Error *error);
 void environment_free(Environment *environment);

@@ -68,8 +68,8 @@ static bool environment_from_pixels(Builder *b, const EvalNode *node, Span span,
     if (colored && !build_emission(b, node, "color", 1, &light)) return false;
     if (colored) hash_light(b, &light);
     Error error;
-    Status status =
-        environment_new_image(rgb, width, height, strength, colored ? &light : NULL, &b->scene->environment, &error);
+    Status status = environment_new_image(rgb, width, height, strength, colored ? &light : NULL, b->options->pool,
+                                          &b->scene->environment, &error);
     if (status != STATUS_INPUT) return build_succeeded(b, status, &error, span);
     diag_report(b->diag, D_IMAGE_INVALID, span, "%s", error.text);
     return false;

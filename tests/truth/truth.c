@@ -71,7 +71,16 @@ static void stop_with_reports(Fixture *scene, const TruthInput *input)
     fail_msg("%s: %s", input->file ? input->file : input->text, scene->error.text);
 }
 
-static void build(Fixture *scene, TruthInput *input)
+/* With a thread for each processor. */
+static Pool *new_pool(void)
+{
+    Pool *pool = NULL;
+    Error error;
+    if (pool_new(0, &pool, &error) != STATUS_OK) fail_msg("%s", error.text);
+    return pool;
+}
+
+static void build(Fixture *scene, TruthInput *input, Pool *pool)
 {
     memset(scene, 0, sizeof *scene);
     arena_init(&scene->arena);
@@ -82,7 +91,8 @@ static void build(Fixture *scene, TruthInput *input)
     SceneOptions options = {
         .eval = {.frames = 1, .frame = 1, .defines = input->defines, .n_defines = n_defines, .library = &std_library},
         .load_image = load_sky,
-        .load_image_context = input};
+        .load_image_context = input,
+        .pool = pool};
     if (input->file)
         scene->status = scene_build(input->file, &options, &scene->diag, &scene->scene, NULL, &scene->error);
     else
@@ -90,26 +100,44 @@ static void build(Fixture *scene, TruthInput *input)
             scene_build_text("truth.mns", input->text, &options, &scene->diag, &scene->scene, NULL, &scene->error);
 }
 
-void truth_open(Fixture *scene, TruthInput input)
+static void compile_built(Fixture *scene, const TruthInput *input, Pool *pool)
 {
-    build(scene, &input);
-    if (scene->status != STATUS_OK) stop_with_reports(scene, &input);
-    if (input.furnace) make_furnace(scene->scene);
     /* what a camera is said to be in is so by the scene's own policy */
-    for (uint32_t i = 0; i < scene->scene->n_cameras && input.policy != scene->scene->render.nesting; i++)
+    for (uint32_t i = 0; i < scene->scene->n_cameras && input->policy != scene->scene->render.nesting; i++)
         scene->scene->cameras[i].expect = NULL;
-    scene->status = compile_scene(scene->scene, input.policy, NULL, &scene->diag, &scene->compiled, &scene->error);
-    if (scene->status != STATUS_OK) stop_with_reports(scene, &input);
+    scene->status = compile_scene(scene->scene, input->policy, pool, &scene->diag, &scene->compiled, &scene->error);
+    if (scene->status != STATUS_OK) stop_with_reports(scene, input);
     scene->status = compile_check_camera(scene->compiled, 0, &scene->diag, &scene->error);
     if (scene->status == STATUS_OK) scene->status = compiled_share_levels(scene->compiled, &scene->error);
+    if (scene->status != STATUS_OK) stop_with_reports(scene, input);
+}
+
+void truth_open(Fixture *scene, TruthInput input)
+{
+    Pool *pool = new_pool();
+    build(scene, &input, pool);
     if (scene->status != STATUS_OK) stop_with_reports(scene, &input);
+    if (input.furnace) make_furnace(scene->scene);
+    compile_built(scene, &input, pool);
+    pool_free(pool);
+}
+
+void truth_compile_again(Fixture *scene, const TruthInput *input)
+{
+    Pool *pool = new_pool();
+    compiled_scene_free(scene->compiled);
+    scene->compiled = NULL;
+    compile_built(scene, input, pool);
+    pool_free(pool);
 }
 
 bool truth_is_library(const char *file)
 {
     Fixture scene;
     TruthInput input = {.file = file};
-    build(&scene, &input);
+    Pool *pool = new_pool();
+    build(&scene, &input, pool);
+    pool_free(pool);
     bool library = scene.status != STATUS_OK && fixture_find(&scene, D_NO_CAMERA);
     fixture_clear(&scene);
     return library;

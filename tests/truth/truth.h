@@ -44,6 +44,8 @@ typedef struct TruthInput {
 
 /* Builds and compiles a scene, which must be right. */
 void truth_open(Fixture *scene, TruthInput input);
+/* The same scene with the input's policy. */
+void truth_compile_again(Fixture *scene, const TruthInput *input);
 
 /* Whether a file only defines things for others to use: all that it lacks is a camera. */
 bool truth_is_library(const char *file);

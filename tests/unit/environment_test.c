@@ -14,7 +14,7 @@ static Environment *make_image(const float *rgb, unsigned width, unsigned height
 {
     Environment *environment = NULL;
     Error error;
-    assert_int_equal(environment_new_image(rgb, width, height, scale, NULL, &environment, &error), STATUS_OK);
+    assert_int_equal(environment_new_image(rgb, width, height, scale, NULL, NULL, &environment, &error), STATUS_OK);
     return environment;
 }
 
@@ -319,7 +319,7 @@ static void images_shine_with_a_light(void **unused)
     fill_image(IMAGE_FLAT, rgb);
     Environment *environment = NULL;
     Error error;
-    assert_int_equal(environment_new_image(rgb, WIDTH, HEIGHT, 3, &light, &environment, &error), STATUS_OK);
+    assert_int_equal(environment_new_image(rgb, WIDTH, HEIGHT, 3, &light, NULL, &environment, &error), STATUS_OK);
     Lanes nm = some_wavelengths(), radiance = environment_radiance(environment, vec3f(0.6f, 0, 0.8f), nm);
     for (int i = 0; i < LANES; i++)
         assert_float_equal(lanes_get(radiance, i), 3 * spectrum_at_one(&light, lanes_get(nm, i)), 1e-4f);
@@ -332,9 +332,9 @@ static void images_shine_with_a_light(void **unused)
 
     /* as bright as can be by itself, and with its light too bright */
     const float bright[3] = {1e29f, 1e29f, 1e29f};
-    assert_int_equal(environment_new_image(bright, 1, 1, 1, NULL, &environment, &error), STATUS_OK);
+    assert_int_equal(environment_new_image(bright, 1, 1, 1, NULL, NULL, &environment, &error), STATUS_OK);
     environment_free(environment);
-    assert_int_equal(environment_new_image(bright, 1, 1, 1, &light, &environment, &error), STATUS_INPUT);
+    assert_int_equal(environment_new_image(bright, 1, 1, 1, &light, NULL, &environment, &error), STATUS_INPUT);
 }
 
 static void black_bad_and_tiny_images(void **unused)
@@ -350,11 +350,11 @@ static void black_bad_and_tiny_images(void **unused)
     assert_true(lanes_zero(environment_radiance(environment, direction, some_wavelengths())));
     environment_free(environment);
 
-    assert_int_equal(environment_new_image(blinding, 1, 1, 10, NULL, &environment, &error), STATUS_INPUT);
-    assert_int_equal(environment_new_image(blinding, 1, 1, 1, NULL, &environment, &error), STATUS_OK);
+    assert_int_equal(environment_new_image(blinding, 1, 1, 10, NULL, NULL, &environment, &error), STATUS_INPUT);
+    assert_int_equal(environment_new_image(blinding, 1, 1, 1, NULL, NULL, &environment, &error), STATUS_OK);
     environment_free(environment);
-    assert_int_equal(environment_new_image(one, 0, 1, 1, NULL, &environment, &error), STATUS_INPUT);
-    assert_int_equal(environment_new_image(one, 1, 1u << 20, 1, NULL, &environment, &error), STATUS_INPUT);
+    assert_int_equal(environment_new_image(one, 0, 1, 1, NULL, NULL, &environment, &error), STATUS_INPUT);
+    assert_int_equal(environment_new_image(one, 1, 1u << 20, 1, NULL, NULL, &environment, &error), STATUS_INPUT);
 
     environment = make_image(one, 1, 1, 1);
     direction = sample(environment, 0.999999f, 0.999999f, &pdf);
