@@ -66,6 +66,11 @@ static void report_one(const Scene *scene, const SceneObject *object, bool thin,
     buf_clear(&apart);
 }
 
+static bool is_coarse(const Box3 *box)
+{
+    return vec3_max_abs(vec3_sub(box->max, box->min)) < few_across * rounding_in(box);
+}
+
 void report_coarse_places(const CompiledScene *compiled, Diag *diag)
 {
     const Scene *scene = compiled->scene;
@@ -77,13 +82,13 @@ void report_coarse_places(const CompiledScene *compiled, Diag *diag)
         uint32_t hull = compiled->hull_of_object[i];
         bool clear = hull < compiled->n_hulls;
         if (!clear && !is_fine(scene, object)) continue;
-        Box3 box = clear ? compiled->hull_bounds[hull] : scene_next_bounds(scene, object, &known);
+        Box3 box = clear ? compiled->hull_bounds[hull] : scene_next_box_around(scene, object, &known);
+        if (!clear && is_coarse(&box)) box = scene_next_bounds(scene, object, &known);
         Vec3 sides = vec3_sub(box.max, box.min);
         double thinnest = fmin(sides.x, fmin(sides.y, sides.z)), rounding = rounding_in(&box),
                enough = (is_exact(scene, object) && !meets[i] ? few_alone : few) * rounding;
         if (!(thinnest >= 0) || !isfinite(vec3_max_abs(sides))) continue;
-        bool thin = clear && thinnest > 0 && thinnest < enough,
-             coarse = is_fine(scene, object) && vec3_max_abs(sides) < few_across * rounding;
+        bool thin = clear && thinnest > 0 && thinnest < enough, coarse = is_fine(scene, object) && is_coarse(&box);
         if ((!thin && !coarse) || ++n > REPORT_MOST) continue;
         report_one(scene, object, thin, thin ? thinnest : vec3_max_abs(sides), rounding, diag);
     }

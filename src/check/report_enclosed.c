@@ -32,7 +32,8 @@ typedef enum CameraPlace { CAMERA_NOT_ASKED, CAMERA_OUTSIDE, CAMERA_WITHIN } Cam
 typedef struct Enclosures {
     const CompiledScene *compiled;
     const Scene *scene;
-    Box3 *bounds;   /* of each thing; empty for what neither holds nor is held */
+    Box3 *bounds; /* of each thing; empty for what neither holds nor is held; may be larger until is_tight */
+    bool *is_tight;
     bool *may_hold; /* of each object */
     CameraPlace *cameras;
     uint32_t *holder; /* of each thing: the smallest object that it is inside of, or SCENE_NONE */
@@ -194,9 +195,38 @@ static bool is_light(const Enclosures *e, uint32_t thing)
     return thing >= e->scene->n_objects;
 }
 
+/* The smallest box, which is worked out only for what is looked at further. */
+static Box3 tight_bounds(Enclosures *e, uint32_t thing)
+{
+    if (!e->is_tight[thing] && !is_light(e, thing))
+        e->bounds[thing] = scene_object_bounds(e->scene, &e->scene->objects[thing], NULL);
+    e->is_tight[thing] = true;
+    return e->bounds[thing];
+}
+
+/* Whether one of a few places of the inner object's surface is outside of the outer one: with most that meet it is so. */
+static bool stands_out(Enclosures *e, uint32_t inner, uint32_t outer)
+{
+    enum { PLACES = 8 };
+    if (is_light(e, inner)) return false;
+    const SceneObject *object = &e->scene->objects[inner];
+    const Mesh *mesh = object->shape == SCENE_NONE ? NULL : e->scene->shapes[object->shape].mesh;
+    if (!mesh || object->motion != SCENE_NONE) return false;
+    for (int asks = 0; asks < 2; asks++)
+        for (uint32_t i = 0; i < PLACES; i++) {
+            const uint32_t *corners = mesh->triangles[(uint64_t)i * mesh->n_triangles / PLACES];
+            Vec3 place = affine_point(&object->to_world, vec3_from_f(mesh->positions[corners[0]]));
+            bool out = asks ? side_of(e, outer, ball_around((Box3){place, place})) == BALL_OUTSIDE
+                            : !box3_holds_point(e->bounds[outer], place);
+            if (out) return true;
+        }
+    return false;
+}
+
 static void look_at(Enclosures *e, uint32_t inner, uint32_t outer)
 {
-    if (is_light(e, outer) || !e->may_hold[outer] || !lies_within(e->bounds[inner], e->bounds[outer])) return;
+    if (is_light(e, outer) || !e->may_hold[outer] || stands_out(e, inner, outer)) return;
+    if (!lies_within(tight_bounds(e, inner), tight_bounds(e, outer))) return;
     uint32_t known = e->holder[inner];
     if (known != SCENE_NONE && extent_of(e->bounds[known]) <= extent_of(e->bounds[outer])) return;
     if (!holds_no_camera(e, outer)) return;
@@ -265,17 +295,18 @@ static bool prepare(Enclosures *e, uint32_t n_things)
     SceneShapeBox box = {0};
     e->bounds = malloc((n_things + 1U) * sizeof *e->bounds);
     e->holder = malloc((n_things + 1U) * sizeof *e->holder);
+    e->is_tight = calloc(n_things + 1U, sizeof *e->is_tight);
     e->may_hold = calloc(scene->n_objects + 1U, sizeof *e->may_hold);
     e->cameras = calloc(scene->n_objects + 1U, sizeof *e->cameras);
     e->known = calloc(scene->n_shapes + 1U, sizeof *e->known);
-    if (!e->bounds || !e->holder || !e->may_hold || !e->cameras || !e->known) return false;
+    if (!e->bounds || !e->holder || !e->is_tight || !e->may_hold || !e->cameras || !e->known) return false;
     for (uint32_t i = 0; i < n_things; i++) {
         e->holder[i] = SCENE_NONE;
         if (is_light(e, i)) {
             e->bounds[i] = bounds_of_light(&scene->lights[i - scene->n_objects]);
             continue;
         }
-        e->bounds[i] = has_place(scene, i) ? scene_next_bounds(scene, &scene->objects[i], &box) : box3_empty();
+        e->bounds[i] = has_place(scene, i) ? scene_next_box_around(scene, &scene->objects[i], &box) : box3_empty();
         if (box3_is_unbounded(e->bounds[i])) e->bounds[i] = box3_empty();
         e->may_hold[i] = !box3_is_empty(e->bounds[i]) && may_hold(e->compiled, i);
     }
@@ -290,6 +321,7 @@ static void clear(Enclosures *e)
     }
     free(e->bounds);
     free(e->holder);
+    free(e->is_tight);
     free(e->may_hold);
     free(e->cameras);
     free(e->known);

@@ -136,14 +136,27 @@ Box3 scene_shape_bounds(const SceneShape *shape)
     return shape_bounds(shape, &identity);
 }
 
-Box3 scene_next_bounds(const Scene *scene, const SceneObject *object, SceneShapeBox *known)
+/* Whether an object is a mesh that rests, with a vertex at least: then *known becomes what is known of its shape. */
+static bool know_mesh(const Scene *scene, const SceneObject *object, SceneShapeBox *known)
 {
     const SceneShape *shape = object->shape == SCENE_NONE ? NULL : &scene->shapes[object->shape];
     bool plain = shape && shape->mesh && !shape->mesh_end && !shape->solid && object->motion == SCENE_NONE;
-    if (!plain || !shape->mesh->n_vertices || !keeps_axes(&object->to_world))
-        return scene_object_bounds(scene, object, NULL);
+    if (!plain || !shape->mesh->n_vertices) return false;
     if (known->shape != shape) *known = (SceneShapeBox){shape, scene_shape_bounds(shape)};
+    return true;
+}
+
+Box3 scene_next_bounds(const Scene *scene, const SceneObject *object, SceneShapeBox *known)
+{
+    if (!keeps_axes(&object->to_world) || !know_mesh(scene, object, known))
+        return scene_object_bounds(scene, object, NULL);
     return affine_box(&object->to_world, known->box); /* to the bit: rounding keeps the order of numbers */
+}
+
+Box3 scene_next_box_around(const Scene *scene, const SceneObject *object, SceneShapeBox *known)
+{
+    return know_mesh(scene, object, known) ? affine_box(&object->to_world, known->box)
+                                           : scene_object_bounds(scene, object, NULL);
 }
 
 static Vec3 blend(Vec3 a, Vec3 b, double part)

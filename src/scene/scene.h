@@ -397,6 +397,9 @@ typedef struct SceneShapeBox {
     Box3 box; /* of its mesh */
 } SceneShapeBox;
 Box3 scene_next_bounds(const Scene *scene, const SceneObject *object, SceneShapeBox *known);
+/* A box around it that may be larger: of a mesh that is turned, from the corners of the box of its shape, without a look at
+ * each vertex. */
+Box3 scene_next_box_around(const Scene *scene, const SceneObject *object, SceneShapeBox *known);
 /* The smallest box around a shape in its own frame, mesh_end included. */
 Box3 scene_shape_bounds(const SceneShape *shape);
 

@@ -47,9 +47,16 @@ def from_text(text):
     return [tuple(report) for report in reports]
 
 
+def has_own_limit(scene):
+    """Whether it comes to a limit that its test lowers, and the command line does not."""
+    with open(scene, "rb") as file:
+        return re.search(rb"^// option: (calls|file_bytes|files|memory|nodes|steps) ", file.read(), re.M) is not None
+
+
 def main():
     wrong = n = 0
-    for scene in sys.argv[2:]:
+    scenes = [scene for scene in sys.argv[2:] if not has_own_limit(scene)]
+    for scene in scenes:
         run = lambda *options: subprocess.run([sys.argv[1], "check", *options, scene], capture_output=True, timeout=120)
         as_text, as_json = run(), run("--json")
         printed = from_text(as_text.stderr.decode())
@@ -58,7 +65,7 @@ def main():
         if printed != said or as_text.returncode != as_json.returncode:
             wrong += 1
             print(f"{scene}: printed\n  {printed}\nbut --json says\n  {said}")
-    print(f"{n} reports of {len(sys.argv) - 2} scenes agree" if not wrong else f"{wrong} scenes differ")
+    print(f"{n} reports of {len(scenes)} scenes agree" if not wrong else f"{wrong} scenes differ")
     return wrong > 0 or n < 100
 
 
