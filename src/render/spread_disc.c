@@ -31,6 +31,10 @@ enum { BESIDE = 2 };
 #define CLOUDY 1.0
 /* Samples to a pixel that are so close that what is found around pixels is not by chance. */
 #define CLOSE 0.16f
+/* So many are so sparse that a disc of them says little of what is there: kept, they are dots; spread, they are a cloud that is as
+ * much by chance. Where there are more and their clump is but a part of a glow, as in frosted glass before a flame, dots all over are
+ * more of a blemish. */
+#define SPARSE (CLOSE / 10)
 /* A haze of another colour is seen sooner than one of the same: how much sooner, for each unit of tint. */
 #define TINTED 6.0
 /* Of what a usual pixel gets, the part that a black one does. */
@@ -396,12 +400,14 @@ bool spread_is_uneven(const Maps *maps, const Lone *lone, const Around *sums, in
 }
 
 /* Spreads a sample over its clump, which is no disc: where samples lie close, pixels get by what light is found around them. Where
- * they do not, a bright cloud is more of a blemish than dots are. The radius, or 0. */
-static int stay_in_clump(const Maps *maps, Lone *lone, Way *way)
+ * they do not, a glaring disc is more of a blemish than dots are; so is a bright cloud where they are sparse, or known to end there, as
+ * glints do. The radius, or 0. */
+static int stay_in_clump(const Maps *maps, Lone *lone, bool known, Way *way)
 {
     Around sums = {0};
     int radius = way->clump.radius[way->clump.known];
-    bool close = way->clump.density[way->clump.known].by_pixel > CLOSE, apart = radius > NEAR;
+    float density = way->clump.density[way->clump.known].by_pixel;
+    bool close = density > CLOSE, apart = radius > NEAR;
     if (apart && close) {
         lone->by_found = way->by_found = true;
         lone->black = way->black = 0;
@@ -409,7 +415,9 @@ static int stay_in_clump(const Maps *maps, Lone *lone, Way *way)
     }
     look_farther(maps, lone, -1, radius, &sums);
     way->weights = weights_within(&sums, radius);
-    if (apart && !close && brightness_of_disc(maps, lone, &sums, way->weights) > CLOUDY) return 0;
+    if (apart && !close &&
+        brightness_of_disc(maps, lone, &sums, way->weights) > (known || density < SPARSE ? CLOUDY : GLARING))
+        return 0;
     (void)find_image(&sums, radius, way);
     return radius;
 }
@@ -424,12 +432,12 @@ static int find_radius(const Maps *maps, Lone *lone, Way *way)
     for (int next = 1; next <= most && !ends; next = spread_next_radius(next)) {
         look_farther(maps, lone, radius, next, &sums);
         radius = next;
-        if (spread_is_in_clump(lone, &sums, radius, &way->clump)) return stay_in_clump(maps, lone, way);
+        if (spread_is_in_clump(lone, &sums, radius, &way->clump)) return stay_in_clump(maps, lone, true, way);
         ends = spread_ends(lone, &sums, radius, own, way, &alone);
     }
     way->far = !ends && most < SPREAD_FARTHEST;
     if (way->far) return radius;
-    if (spread_is_uneven(maps, lone, &sums, radius, &way->clump)) return stay_in_clump(maps, lone, way);
+    if (spread_is_uneven(maps, lone, &sums, radius, &way->clump)) return stay_in_clump(maps, lone, false, way);
     return ends ? radius : spread_farthest(lone, &sums, radius, alone, way);
 }
 
@@ -517,10 +525,10 @@ static void finish_way(const Maps *maps, const Lone *lone, int radius, Way *way)
     }
 }
 
-void spread_in_clump(const Maps *maps, Lone *lone, Way *way)
+void spread_in_clump(const Maps *maps, Lone *lone, bool known, Way *way)
 {
     way->far = false;
-    finish_way(maps, lone, stay_in_clump(maps, lone, way), way);
+    finish_way(maps, lone, stay_in_clump(maps, lone, known, way), way);
 }
 
 void spread_find_way(const Maps *maps, Lone *lone, Way *way)

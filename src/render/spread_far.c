@@ -286,13 +286,13 @@ static void find_radius(const Cells *cells, Lone *lone, Way *way)
         inner = next + 0.5;
         way->radius = (uint16_t)next;
         if (spread_is_in_clump(lone, &sums, next, &way->clump)) {
-            spread_in_clump(cells->maps, lone, way);
+            spread_in_clump(cells->maps, lone, true, way);
             return;
         }
         ends = spread_ends(lone, &sums, next, own, way, &alone);
     }
     if (spread_is_uneven(cells->maps, lone, &sums, way->radius, &way->clump))
-        spread_in_clump(cells->maps, lone, way);
+        spread_in_clump(cells->maps, lone, false, way);
     else if (!ends)
         way->radius = (uint16_t)spread_farthest(lone, &sums, way->radius, alone, way);
 }

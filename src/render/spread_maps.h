@@ -234,8 +234,8 @@ bool spread_is_uneven(const Maps *maps, const Lone *lone, const Around *sums, in
 /* Of one that does not end up to the last radius that there is: that one, or 0. One that would be more than faint wherever it goes,
  * alone or with few others, is less of a blemish where it is. */
 int spread_farthest(const Lone *lone, const Around *sums, int radius, double alone, Way *way);
-/* Spreads a sample that was to go by cells over its clump, by pixels. */
-void spread_in_clump(const Maps *maps, Lone *lone, Way *way);
+/* Spreads a sample that was to go by cells over its clump, by pixels. known: the clump ends there, by what is farther away. */
+void spread_in_clump(const Maps *maps, Lone *lone, bool known, Way *way);
 /* Where a sample goes, by its radius. far: that is to be found by cells. */
 void spread_find_way(const Maps *maps, Lone *lone, Way *way);
 /* What of a sample in row y goes its way. */

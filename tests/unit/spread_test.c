@@ -763,6 +763,36 @@ static void glints_stay_where_they_are(void **state)
     }
 }
 
+/* A flame behind frosted glass: all around it samples find it, bright ones, and the fewer of them the farther away. The glow that they
+ * make is not dotted, though farther out there are less than farther in. */
+static void glows_are_not_dotted(void **state)
+{
+    (void)state;
+    Error error;
+    Films films;
+    enum { N = 3 * SAMPLES_OF_LARGE };
+    const float found_light = 1.5f * N;
+    uint32_t found_far = 0, dots = 0;
+    assert_int_equal(film_init(&films.film, LARGE, LARGE, &error), STATUS_OK);
+    assert_int_equal(bright_film_init(&films.bright, false, LARGE, LARGE, &error), STATUS_OK);
+    for (uint32_t at = 0; at < LARGE * LARGE; at++)
+        for (uint32_t i = 0; i < N; i++) {
+            double x = (double)(at % LARGE) - LARGE / 2, y = (double)(at / LARGE) - LARGE / 2,
+                   away = sqrt(x * x + y * y);
+            bool found = (double)hash_to_unit_f(hash_combine(at, i)) < 20 * exp(-away / 8) / N;
+            float light = found ? found_light : 0.05f;
+            add(&films, at % LARGE, at / LARGE, (float[]){light, light, light}, 1);
+            found_far += found && away > 30 && away < 45;
+        }
+    resolve_large(&films);
+    for (uint32_t at = 0; at < LARGE * LARGE; at++) {
+        double x = (double)(at % LARGE) - LARGE / 2, y = (double)(at / LARGE) - LARGE / 2, away = sqrt(x * x + y * y);
+        if (away > 30 && away < 45) dots += (double)films.spread.pixels[5 * (size_t)at] > 1;
+    }
+    assert_true(6 * dots < found_far);
+    end(&films);
+}
+
 /* What a bend of glass throws on a dark wall: a spot, or a line, that each of its pixels has found once or not at all, by samples of
  * very different light. However bright it is, it stays where it is, and has no dots but at its border. */
 static void what_is_small_and_glaring_stays_small(void **state)
@@ -1010,6 +1040,7 @@ int main(void)
         cmocka_unit_test(lamps_stay_where_they_are),
         cmocka_unit_test(spots_stay_together),
         cmocka_unit_test(glints_stay_where_they_are),
+        cmocka_unit_test(glows_are_not_dotted),
         cmocka_unit_test(what_is_small_and_glaring_stays_small),
         cmocka_unit_test(what_all_is_lit_by_is_no_tint),
         cmocka_unit_test(much_goes_far),
