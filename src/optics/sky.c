@@ -8,7 +8,8 @@
 #include "base/angle.h"
 #include "optics/sky_field.h"
 
-enum { BANDS = AIR_BANDS, WIDTH = 256, HEIGHT = 128, FIRST_LAND = HEIGHT / 2 + 1 /* row */ };
+/* The horizon is in the middle of the middle row, which is of the sky. */
+enum { BANDS = AIR_BANDS, WIDTH = 256, HEIGHT = 127, FIRST_LAND = HEIGHT / 2 + 1 /* row */ };
 
 static const double eye_height = 1e-3;
 
@@ -37,19 +38,17 @@ static void fill_row(void *context, uint32_t row, unsigned worker)
 /* What falls from the sky on level ground. */
 static void sum_upper(const float *values, double level[BANDS])
 {
-    for (int row = 0; row < HEIGHT / 2; row++) {
-        double low = cos(MEN_PI * row / HEIGHT), high = cos(MEN_PI * (row + 1) / HEIGHT);
+    for (int row = 0; row < FIRST_LAND; row++) {
+        double low = cos(MEN_PI * row / HEIGHT), high = fmax(cos(MEN_PI * (row + 1) / HEIGHT), 0);
         double projected = 0.5 * (low * low - high * high) * 2 * MEN_PI / WIDTH; /* cosine times solid angle */
         for (int i = 0; i < WIDTH * BANDS; i++)
             level[i % BANDS] += projected * (double)values[(size_t)row * WIDTH * BANDS + (size_t)i];
     }
 }
 
-/* The row below the horizon is as the one above: between the two, which are 1.4 degrees apart, the sky over a sea would be land in part. */
+/* What is below the horizon. */
 static void fill_lower(const float ground[BANDS], float *values, const double level[BANDS])
 {
-    const size_t row = (size_t)WIDTH * BANDS;
-    memcpy(values + FIRST_LAND * row - row, values + FIRST_LAND * row - 2 * row, row * sizeof *values);
     for (size_t i = (size_t)FIRST_LAND * WIDTH; i < (size_t)WIDTH * HEIGHT; i++)
         for (int k = 0; k < BANDS; k++) values[i * BANDS + (size_t)k] = ground[k] * (float)(level[k] / MEN_PI);
 }
@@ -63,7 +62,7 @@ static Status fill_picture(Sky *sky, const SkyModel *model, Error *error)
     sky->sun = vec3(0, sine, cos(model->elevation));
     air_init(&sky->air, model->turbidity);
     TRY(sky_field_new(&sky->air, ground, model->elevation, model->pool, &sky->field, error));
-    pool_run(model->pool, HEIGHT / 2, fill_row, sky);
+    pool_run(model->pool, FIRST_LAND, fill_row, sky);
     sum_upper(sky->values, level);
     for (int k = 0; k < BANDS && sine > 0; k++)
         level[k] += sine * air_sun_transmittance(model->turbidity, model->elevation, air_band_nm(k));

@@ -8,7 +8,7 @@
  * Gueymard, "Reference luminous solar constant", Solar Energy 79 (2005)); through clean air its light is that of Kasten's and
  * Young's air mass within 2 %, down to the horizon.
  * Left out: clouds, the ground's haze below the horizon, polarization, refraction of scattered light (as if the sun stood up to
- * half a degree lower when it sets), Fraunhofer's lines, water vapour. The picture has 128 rows: the horizon is a degree wide.
+ * half a degree lower when it sets), Fraunhofer's lines, water vapour. The picture has 127 rows, 1.4 degrees each.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_SKY_H
 #define MEN_SKY_H

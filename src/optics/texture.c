@@ -61,7 +61,8 @@ struct Environment {
     int16_t *parts;              /* PARTS for each texel */
     float (*spectra)[PARTS];     /* what these are parts of, at each of SPECTRUM_SAMPLES wavelengths, and one more */
     float *luminance;            /* of the texels */
-    unsigned last;               /* all rows from this one on are alike, as the ground below a sky is */
+    unsigned last;               /* all rows from this one on are alike, as the ground below a sky is; */
+    unsigned step;               /* from this row of cells on they show those alone, with a sharp edge: the horizon */
     float *row_cdf;              /* height + 2: of the height + 1 rows of cells */
     float *cell_cdf;             /* (height + 1) * (width + 1): within each row */
     Hints row_hints, cell_hints; /* of those; of cell_cdf for one row after another */
@@ -77,9 +78,9 @@ typedef struct Corners {
 static inline Corners corners_of(const Environment *environment, unsigned row, unsigned column)
 {
     unsigned last = environment->last, right = column + 1 < environment->width ? column + 1 : 0;
-    size_t above = (size_t)(row > last ? last
-                            : row > 0  ? row - 1
-                                       : 0) *
+    size_t above = (size_t)(row >= environment->step ? last
+                            : row > 0                ? row - 1
+                                                     : 0) *
                    environment->width,
            below = (size_t)(row < last ? row : last) * environment->width;
     return (Corners){{above + column, above + right, below + column, below + right}};
@@ -525,6 +526,7 @@ static Status new_pixels(unsigned width, unsigned height, bool in_bands, Environ
         made->width = width;
         made->height = height;
         made->last = height - 1;
+        made->step = height;
         if (in_bands) {
             made->parts = aligned_alloc(PARTS_SIZE, n * PARTS_SIZE);
             made->spectra = calloc(SPECTRUM_SAMPLES + 1, sizeof *made->spectra);
@@ -628,6 +630,7 @@ static Status fill_bands(Environment *environment, const float *values, const fl
     free(mixtures);
     fill_spectra(environment, &components, light, scale);
     environment->last = first_of_alike(values, environment->height, (size_t)environment->width * ENVIRONMENT_BANDS);
+    environment->step = environment->last;
     return STATUS_OK;
 }
 

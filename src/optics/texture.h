@@ -24,7 +24,8 @@ ATTR_NODISCARD Status environment_new_image(const float *rgb, unsigned width, un
 /* From the scene towards the middle of a pixel of such an image; of length 1. */
 Vec3 environment_pixel_direction(unsigned width, unsigned height, unsigned column, unsigned row);
 /* By wavelengths: width * height * ENVIRONMENT_BANDS values at evenly spread wavelengths, from SPECTRUM_MIN_NM to
- * SPECTRUM_MAX_NM, linear in between; light: SPECTRUM_SAMPLES values that all of them are multiplied with. Copied. */
+ * SPECTRUM_MAX_NM, linear in between; light: SPECTRUM_SAMPLES values that all of them are multiplied with. Copied. The last rows,
+ * as far as they are alike, are what is below a horizon: it begins sharply, at the middle of the row above them. */
 enum { ENVIRONMENT_BANDS = 16 };
 ATTR_NODISCARD Status environment_new_bands(const float *values, unsigned width, unsigned height, const float *light,
                                             Pool *pool, Environment **environment, Error *error);

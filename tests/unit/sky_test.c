@@ -160,6 +160,8 @@ static void looks_like_a_sky(void **state)
     assert_true(luminance(near_sun) > 3 * luminance(zenith));
     /* the ground has its albedo times what falls on it */
     colour_of(noon.sky, towards(-1, 2), below);
+    colour_of(noon.sky, towards(-0.0005, pi), lowest); /* the horizon is sharp */
+    assert_near(luminance(lowest), luminance(below), 1e-3 * luminance(below));
     double whole = noon.level * pi / 100 + luminance(noon.sun_rgb) * sin(50 * pi / 180);
     assert_near(luminance(below), 0.2 / pi * whole, 0.03 * luminance(below));
     /* a low sun is red, and twilight is thousands of times darker than day */
@@ -168,6 +170,30 @@ static void looks_like_a_sky(void **state)
     end(&noon);
     end(&evening);
     end(&night);
+}
+
+/* Where the horizon is sharp, directions are drawn with the density that is said of them, on either side of it. */
+static void drawn_at_the_horizon(void **state)
+{
+    (void)state;
+    enum { SIDE = 400 };
+    Day day;
+    int near = 0;
+    begin(&day, 12, 2.2);
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        float pdf, again;
+        EnvironmentPlace place;
+        float u = ((float)(i % SIDE) + 0.5f) / SIDE, v = ((float)(i / SIDE) + 0.5f) / SIDE;
+        Vec3f direction = environment_sample_place(day.sky, u, v, &pdf, &place);
+        if (fabsf(direction.y) > 0.02f || fabsf(direction.y) < 1e-4f) continue;
+        Lanes drawn = environment_radiance_at(day.sky, &place, lanes_all(550));
+        Lanes found = environment_look(day.sky, direction, lanes_all(550), &again);
+        assert_near((double)again, (double)pdf, 2e-3 * (double)pdf);
+        assert_near((double)lanes_get(found, 0), (double)lanes_get(drawn, 0), 2e-3 * (double)lanes_get(drawn, 0));
+        near++;
+    }
+    assert_true(near > 500);
+    end(&day);
 }
 
 /* CIE's overcast sky: white, three times as bright above as at the horizon, and on level ground what the IES measured. */
@@ -196,8 +222,11 @@ static void overcast(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(published), cmocka_unit_test(air_mass),
-                                       cmocka_unit_test(beers_law), cmocka_unit_test(looks_like_a_sky),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(published),
+                                       cmocka_unit_test(air_mass),
+                                       cmocka_unit_test(beers_law),
+                                       cmocka_unit_test(looks_like_a_sky),
+                                       cmocka_unit_test(drawn_at_the_horizon),
                                        cmocka_unit_test(overcast)};
     return cmocka_run_group_tests_name("sky", tests, NULL, NULL);
 }
