@@ -462,6 +462,16 @@ static void name_macro_node(Evaluator *evaluator, EvalNode *node, const char *na
     if (renamed.shape_changed) node->prototype = NULL;
 }
 
+static void report_name_of_many(Evaluator *evaluator, const NodeExpr *expr, const char *macro, size_t n)
+{
+    Diagnostic *report = eval_report(evaluator, D_WRONG_TYPE, expr->name_span,
+                                     "'%s' places %zu nodes: a name can stand for one only", macro, n);
+    if (n > 0)
+        diag_hint(evaluator->diag, report,
+                  "leave it out; or write: let %s = group { ... } around all of them, which %s { } places",
+                  expr->name->text, expr->name->text);
+}
+
 /* A macro in the form of a node: its properties are the arguments, its transforms apply to all that it places. */
 static void macro_node(Evaluator *evaluator, NodeExpr *expr)
 {
@@ -486,8 +496,7 @@ static void macro_node(Evaluator *evaluator, NodeExpr *expr)
     if (placed.children.n == 1)
         value = (Value){.kind = VALUE_NODE, .as.node = placed.children.items[0]};
     else if (!evaluator->stop)
-        eval_report(evaluator, D_WRONG_TYPE, expr->name_span, "'%s' places %zu nodes: a name can stand for one only",
-                    args.name, placed.children.n);
+        report_name_of_many(evaluator, expr, args.name, placed.children.n);
     *eval_slot(evaluator, expr->name_slot) = value;
 }
 

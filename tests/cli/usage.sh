@@ -90,6 +90,9 @@ refuses "use \"std/media.mns\" as media" help milk
 run help thin_film
 exits 0
 says out 'film = 400nm'
+run help frosted_glass
+exits 0
+says out "surface { roughness = .3 }"
 run help mist
 exits 0
 says out 'bows, coronas and glories of their size'
