@@ -53,6 +53,7 @@ typedef struct Trial {
     bool wavelengths_by_chance; /* those of one pixel are not evenly spread */
     bool choices_apart;         /* of ways, lights and lobes: no third coordinates to the places and directions */
     bool fresnel_alone;         /* boundaries reflect as often as they do, wherever lights are */
+    bool frost_alone;           /* rough boundaries scatter into a body as ever, wherever lights are behind it */
     bool hero_alone;            /* goes on where boundaries bend wavelengths apart */
     bool pairs_from_camera;     /* second paths begin there, not where wavelengths part */
     float roulette_below;       /* what paths carry that are left to chance */

@@ -18,6 +18,7 @@ static const struct {
     {"wavelengths by chance", {.wavelengths_by_chance = true}},
     {"choices by numbers apart", {.choices_apart = true}},
     {"choices by Fresnel alone", {.fresnel_alone = true}},
+    {"frost by itself", {.frost_alone = true}},
     {"the hero alone goes on", {.hero_alone = true}},
     {"pairs from the camera on", {.pairs_from_camera = true}},
     {"roulette below 1/50", {.roulette_below = 0.02f}},

@@ -99,12 +99,73 @@ static void wrong_guesses_cost_nothing_but_noise(void **state)
     truth_alike("a blob: by light, and by Fresnel alone", seen[1], seen[0], 4, 0.003);
 }
 
+/* A pane whose faces are rough, and a sun behind it, off the line of sight: the way in is chosen by the sun that is looked
+ * at there. */
+static void frosted_panes_are_less_noisy(void **state)
+{
+    (void)state;
+    static const double roughness[] = {0.1, 0.2, 0.35, 0.5}, slant[] = {3, 8, 8, 8};
+    static const double at_most[] = {0.65, 0.65, 0.75, 0.95}; /* of the standard error */
+    for (size_t i = 0; i < COUNT_OF(roughness); i++) {
+        Buf text = {0};
+        buf_format(
+            &text,
+            "meniscus 1.0 unit cm medium glass { ior = 1.52  state = solid }\n"
+            "box { interior = glass  from = <-30, -30, 0>  to = <30, 30, .6>  surface = surface { roughness = %g } }\n"
+            "light { shape = distant  from = <0, sin(%gdeg), -cos(%gdeg)>  to = <0, 0, 0>  angle = .5deg  radiance = "
+            "20000 }\n"
+            "environment { color = .1 }\n"
+            "camera { from = <0, 0, 120>  to = <0, 0, 0>  fov = .01deg }\n",
+            roughness[i], slant[i], slant[i]);
+        Estimate seen[2];
+        for (int alone = 0; alone < 2; alone++) {
+            RenderSettings settings = truth_small(1024);
+            settings.trial.frost_alone = alone;
+            seen[alone] = truth_measure_as(buf_text(&text), NULL, &settings);
+        }
+        printf("  a pane of roughness %g: %.6f +- %.2g by light, %.6f +- %.2g by itself\n", roughness[i], seen[0].mean,
+               seen[0].error, seen[1].mean, seen[1].error);
+        assert_true(fabs(seen[0].mean - seen[1].mean) <= 4 * hypot(seen[0].error, seen[1].error));
+        assert_true(seen[0].error < at_most[i] * seen[1].error);
+        buf_clear(&text);
+    }
+}
+
+/* Bodies whose far sides are anywhere, with shading normals, one within another, and lights on all sides and within. */
+static void frosted_bodies_are_as_bright(void **state)
+{
+    (void)state;
+    static const char text[] =
+        "meniscus 1.0 unit mm medium glass { ior = cauchy(1.5, .008) } medium water { ior = 1.33 }\n"
+        "blob { interior = glass  threshold = .4  sphere { radius = 14 }  sphere { center = <13, 1, 3>  radius = 11 }\n"
+        "  surface = surface { roughness = .4 } }\n"
+        "sphere { interior = water  radius = 5  surface = surface { roughness = .3 } }\n"
+        "sphere { center = <12, 1, 3>  radius = 1  surface = surface { emission = 9  albedo = 0 } }\n"
+        "ground { y = -20  surface = surface { albedo = .5 } }\n"
+        "light { from = <-60, 70, 20>  to = <0, 0, 0>  size = <60, 60>  radiance = 12 }\n"
+        "light { shape = sphere  from = <20, 10, -60>  radius = 6  radiance = 60 }\n"
+        "camera { from = <0, 20, 120>  to = <3, 0, 0>  fov = 22deg }\n" TRUTH_SKY;
+    Estimate seen[2];
+    for (int alone = 0; alone < 2; alone++) {
+        Fixture scene;
+        Picture picture;
+        truth_open(&scene, (TruthInput){.text = text, .sky = truth_two_skies, .policy = NEST_AUTOMATIC});
+        RenderSettings settings = truth_settings(32, 1024);
+        settings.trial.frost_alone = alone;
+        truth_render(&scene, &settings, 0, &picture);
+        seen[alone] = truth_total(&picture);
+        truth_clear(&picture);
+        fixture_clear(&scene);
+    }
+    truth_alike("frosted bodies: by light, and by themselves", seen[1], seen[0], 4, 0.005);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(plates_have_their_closed_form),
-        cmocka_unit_test(mirrored_lamps_are_less_noisy),
-        cmocka_unit_test(wrong_guesses_cost_nothing_but_noise),
+        cmocka_unit_test(plates_have_their_closed_form),        cmocka_unit_test(mirrored_lamps_are_less_noisy),
+        cmocka_unit_test(wrong_guesses_cost_nothing_but_noise), cmocka_unit_test(frosted_panes_are_less_noisy),
+        cmocka_unit_test(frosted_bodies_are_as_bright),
     };
     return cmocka_run_group_tests_name("beacons", tests, NULL, NULL);
 }
