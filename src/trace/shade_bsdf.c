@@ -98,7 +98,7 @@ static Aim aim_at(const Path *path, const Event *event, const Bsdf *bsdf, const 
     const float most = 0.2f; /* of 0.5 a solid body, where it does not help, has a quarter more noise; of this 3 % */
     const BsdfLobe *lobe = &bsdf->lobes[0];
     Aim aim = {.share = 0};
-    if (!(light->pdf_w > 0) || event->kind != EVENT_BOUNDARY || path->is_photon || path->probing.is_probe ||
+    if (!(light->pdf_w > 0) || event->kind != EVENT_BOUNDARY || path->is_photon ||
         path->tracer->world->trial.frost_alone || bsdf->n_lobes != 1 || lobe->kind != BSDF_BOUNDARY ||
         !(lanes_get(lobe->as.boundary.eta_t, 0) > lanes_get(lobe->as.boundary.eta_i, 0)))
         return aim;
@@ -163,6 +163,16 @@ static bool is_keen(const Bsdf *bsdf)
     return true;
 }
 
+/* Whether it is but passed on the way from where the path was scattered last, or from the camera; else *guide is what is known of it.
+ * A keen boundary is where light is looked for only if no place further back has a guide, whose probes look through it. */
+static bool passes_on(const Path *path, const Event *event, const Bsdf *bsdf, GuideAt *guide)
+{
+    const bool keen = is_keen(bsdf), looked_through = path->probing.is_probe || path->probing.guide.share > 0;
+    if (keen && (bsdf->specular_only || event->kind != EVENT_BOUNDARY || looked_through)) return true;
+    *guide = path_guide(path, ray_point(&path->ray, event->hit.t), false);
+    return keen && !(guide->share > 0);
+}
+
 /* A probe in a direction that the guide has chosen. */
 static void send_probe(Path *path, const GuideAt *guide, Event *event, const Bsdf *bsdf, const SurfacePlace *place,
                        const Frame *frame, Vec3f view, Vec3f direction)
@@ -208,16 +218,13 @@ static bool choose_direction(Path *path, const Bsdf *bsdf, const SurfacePlace *p
 static bool scatter(Path *path, Event *event, Bsdf *bsdf, const SurfacePlace *place, const Frame *frame, bool *straight)
 {
     Vec3f view = to_local(frame, vec3f_negate(path->ray.direction)), direction;
-    const bool keen = is_keen(bsdf);
     bsdf_look(bsdf, view);
     GuideAt guide = {.share = 0};
-    if (keen) {
+    const bool keen = passes_on(path, event, bsdf, &guide);
+    if (keen)
         path->probing.bent |= !bsdf->specular_only;
-    } else {
-        guide = path_guide(path, ray_point(&path->ray, event->hit.t), false);
-        if (UNLIKELY(path_ask_guide(path, &guide, &direction)))
-            send_probe(path, &guide, event, bsdf, place, frame, view, direction);
-    }
+    else if (UNLIKELY(path_ask_guide(path, &guide, &direction)))
+        send_probe(path, &guide, event, bsdf, place, frame, view, direction);
     LightSample light = {.pdf_w = 0};
     if (LIKELY(keen || !path->probing.is_probe)) add_light(path, event, bsdf, place, frame, view, keen, &light);
     const Aim aim = aim_at(path, event, bsdf, place, frame, &light);

@@ -103,6 +103,13 @@ static const struct {
      "light { shape = \"sphere\"  from = <0, 60, 0>  radius = 4  radiance = 90 }\n"
      "camera { from = <-150, 100, 50>  to = <-32, 0, 0>  fov = .001deg }\n",
      500, 3000},
+    {"a frosted globe that one looks at, with a lamp in it",
+     MEDIA "surface frost { roughness = .3 } ground { surface = surface { albedo = .5 } } environment { color = .05 }\n"
+           "sphere { interior = glass  surface = frost  radius = 40  center = <0, 60, 0> }\n"
+           "sphere { interior = air  radius = 38  center = <0, 60, 0> }\n"
+           "light { shape = \"sphere\"  from = <0, 60, 0>  radius = 3  radiance = 90 }\n"
+           "camera { from = <0, 60, 300>  to = <9, 60, 0>  fov = .001deg }\n",
+     500, 8000},
     {"a table with a coat, seen through a glass with a drink in it",
      MEDIA "ground { surface = surface { albedo = .6  ior = 1.5  roughness = .1 } } environment { color = .05 }\n"
            "cylinder { interior = glass  from = <0, .5, 0>  to = <0, 40, 0>  radius = 15 }\n"
