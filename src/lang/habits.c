@@ -19,6 +19,7 @@
 #define HABIT_WORD(word, text)
 #define HABIT_PREFIX(beginning, text)
 #define HABIT_CHOICE(property, word, choice)
+#define HABIT_INSTEAD(property, words, text)
 #define HABIT_PROPERTY(node, word, property)
 #define HABIT_ADVICE(node, word, text)
 #define HABIT_PATTERN(node, property, text)
@@ -144,6 +145,14 @@ static const struct {
 #include "lang/habit_properties.def"
 #undef HABIT_CHOICE
 #define HABIT_CHOICE(property, word, choice)
+};
+
+static const NodeRow instead_rows[] = {
+#undef HABIT_INSTEAD
+#define HABIT_INSTEAD(property, words, text) {property, words, text},
+#include "lang/habit_properties.def"
+#undef HABIT_INSTEAD
+#define HABIT_INSTEAD(property, words, text)
 };
 
 static const NodeRow property_rows[] = {
@@ -284,6 +293,10 @@ const char *habit_choice(const char *property, const char *word)
         if (strcmp(choice_rows[i].property, property) == 0 && strcmp(choice_rows[i].word, word) == 0)
             return choice_rows[i].choice;
     return NULL;
+}
+const char *habit_instead(const char *property, const char *word)
+{
+    return find_of_node(instead_rows, COUNT_OF(instead_rows), property, word);
 }
 const char *habit_unit(const char *word)
 {

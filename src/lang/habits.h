@@ -32,6 +32,7 @@ const char *habit_setting(const char *node, const char *word); /* node: NULL at 
 const char *habit_word(const char *word);
 const char *habit_statement(const char *word);
 const char *habit_choice(const char *property, const char *word);
+const char *habit_instead(const char *property, const char *word); /* of a choice that there is none for: a hint */
 const char *habit_unit(const char *word);
 const char *habit_property(const char *node, const char *word, unsigned number); /* the candidates, from number 0 */
 const char *habit_property_of(const char *node, const char *word);               /* of nodes of that very type */

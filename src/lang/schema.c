@@ -541,8 +541,9 @@ static bool check_choice(const Check *check, const char *word, EvalProp *prop)
         Diagnostic *report = eval_error(evaluator, check->expr, D_UNKNOWN_CHOICE, "'%s' is %s, not '%s'", type->name,
                                         choice_text(evaluator->arena, type->choices), word);
         const char *other = choice_meant(evaluator->arena, type, word);
-        if (other)
-            diag_hint(evaluator->diag, report, "write: %s", other);
+        const char *instead = habit_instead(type->name, word);
+        if (other || instead)
+            diag_hint(evaluator->diag, report, other ? "write: %s" : "%s", other ? other : instead);
         else
             diag_suggest(evaluator->diag, report, word, words, n);
         return false;

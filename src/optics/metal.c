@@ -1,11 +1,17 @@
 /* metal.c - measured indices of common metals: wavelength in nm, n, k, as published.
  * gold, silver, copper: P. B. Johnson, R. W. Christy, "Optical Constants of the Noble Metals", Physical Review B 6,
- * 4370 (1972). titanium, chromium, iron, nickel: the same, "Optical Constants of Transition Metals: Ti, V, Cr, Mn, Fe,
- * Co, Ni, and Pd", Physical Review B 9, 5056 (1974). aluminium: A. D. Rakic, "Algorithm for the Determination of
- * Intrinsic Optical Constants of Metal Films: Application to Aluminum", Applied Optics 34, 4755 (1995). brass (70 %
- * copper, 30 % zinc): M. R. Querry, "Optical Constants", contractor report CRDC-CR-85034 (1985). stainless_steel
- * (ferritic, 13.5 % chromium): B. Karlsson, C. G. Ribbing, "Optical Constants and Spectral Selectivity of Stainless
- * Steel and its Oxides", Journal of Applied Physics 53, 6340 (1982).
+ * 4370 (1972). titanium, chromium, iron, nickel, palladium: the same, "Optical Constants of Transition Metals: Ti, V,
+ * Cr, Mn, Fe, Co, Ni, and Pd", Physical Review B 9, 5056 (1974). aluminium: A. D. Rakic, "Algorithm for the
+ * Determination of Intrinsic Optical Constants of Metal Films: Application to Aluminum", Applied Optics 34, 4755
+ * (1995). brass (70 % copper, 30 % zinc) and bronze (90 and 10 %, which the trade calls commercial bronze): M. R.
+ * Querry, "Optical Constants", contractor report CRDC-CR-85034 (1985). green_gold (60 % gold, 40 % silver by atoms, 73
+ * % gold by mass): D. Rioux et al., "An Analytic Model for the Dielectric Function of Au, Ag, and their Alloys",
+ * Advanced Optical Materials 2, 176 (2014), fitted to ellipsometry. platinum: A. D. Rakic et al., "Optical Properties
+ * of Metallic Films for Vertical-Cavity Optoelectronic Devices", Applied Optics 37, 5271 (1998), the model of Brendel
+ * and Bormann, fitted to measurements. rhodium: J. H. Weaver, C. G. Olson, D. W. Lynch, "Optical Investigation of the
+ * Electronic Structure of Bulk Rh and Ir", Physical Review B 15, 4115 (1977). stainless_steel (ferritic, 13.5 %
+ * chromium): B. Karlsson, C. G. Ribbing, "Optical Constants and Spectral Selectivity of Stainless Steel and its
+ * Oxides", Journal of Applied Physics 53, 6340 (1982).
  * SPDX-License-Identifier: Apache-2.0 */
 #include "optics/metal.h"
 
@@ -29,6 +35,16 @@ static const Row brass[] = {
     {720, 0.450, 4.266}, {740, 0.455, 4.424}, {760, 0.458, 4.579}, {780, 0.464, 4.737}, {800, 0.473, 4.890},
     {820, 0.481, 5.039}, {830, 0.483, 5.115},
 };
+static const Row bronze[] = {
+    {360, 1.238, 1.483}, {370, 1.193, 1.534}, {380, 1.156, 1.587}, {390, 1.126, 1.641}, {400, 1.098, 1.693},
+    {410, 1.072, 1.745}, {420, 1.047, 1.796}, {430, 1.024, 1.847}, {440, 1.002, 1.897}, {450, 0.980, 1.945},
+    {460, 0.959, 1.990}, {470, 0.937, 2.033}, {480, 0.912, 2.073}, {490, 0.883, 2.108}, {500, 0.846, 2.140},
+    {510, 0.798, 2.173}, {520, 0.738, 2.211}, {530, 0.667, 2.262}, {540, 0.592, 2.329}, {550, 0.519, 2.415},
+    {560, 0.457, 2.516}, {570, 0.409, 2.626}, {580, 0.377, 2.739}, {590, 0.357, 2.848}, {600, 0.346, 2.950},
+    {610, 0.339, 3.046}, {620, 0.333, 3.137}, {640, 0.323, 3.312}, {660, 0.317, 3.478}, {680, 0.311, 3.638},
+    {700, 0.306, 3.795}, {720, 0.304, 3.947}, {740, 0.300, 4.097}, {760, 0.296, 4.245}, {780, 0.293, 4.394},
+    {800, 0.291, 4.537}, {820, 0.283, 4.682}, {840, 0.279, 4.833},
+};
 static const Row chromium[] = {
     {354, 1.84, 2.64}, {368, 1.87, 2.69}, {381, 1.92, 2.74}, {397, 2.00, 2.83}, {413, 2.08, 2.93}, {431, 2.19, 3.04},
     {451, 2.33, 3.14}, {471, 2.51, 3.24}, {496, 2.75, 3.30}, {521, 2.94, 3.33}, {549, 3.18, 3.33}, {582, 3.22, 3.30},
@@ -46,6 +62,15 @@ static const Row gold[] = {
     {548.6, 0.43, 2.455}, {582.1, 0.29, 2.863}, {616.8, 0.21, 3.272}, {659.5, 0.14, 3.697}, {704.5, 0.13, 4.103},
     {756.0, 0.14, 4.542}, {821.1, 0.16, 5.083}, {892.0, 0.17, 5.663},
 };
+static const Row green_gold[] = {
+    {360, 1.4170, 1.6552}, {380, 1.3224, 1.6545}, {390, 1.2624, 1.6630}, {400, 1.1955, 1.6770}, {410, 1.1205, 1.6962},
+    {420, 1.0345, 1.7222}, {430, 0.9357, 1.7613}, {440, 0.8286, 1.8220}, {450, 0.7242, 1.9076}, {460, 0.6321, 2.0133},
+    {470, 0.5570, 2.1311}, {480, 0.4983, 2.2537}, {490, 0.4533, 2.3763}, {500, 0.4189, 2.4964}, {510, 0.3923, 2.6132},
+    {520, 0.3715, 2.7267}, {530, 0.3553, 2.8370}, {540, 0.3425, 2.9443}, {550, 0.3324, 3.0490}, {560, 0.3246, 3.1513},
+    {580, 0.3141, 3.3498}, {600, 0.3088, 3.5415}, {620, 0.3071, 3.7277}, {640, 0.3084, 3.9092}, {660, 0.3119, 4.0870},
+    {680, 0.3172, 4.2615}, {700, 0.3240, 4.4332}, {720, 0.3320, 4.6025}, {740, 0.3412, 4.7698}, {760, 0.3514, 4.9351},
+    {778, 0.3613, 5.0826},
+};
 static const Row iron[] = {
     {354, 1.93, 2.35}, {368, 2.02, 2.43}, {381, 2.12, 2.50}, {397, 2.24, 2.58}, {413, 2.35, 2.65}, {431, 2.48, 2.71},
     {451, 2.59, 2.77}, {471, 2.67, 2.82}, {496, 2.74, 2.88}, {521, 2.86, 2.91}, {549, 2.95, 2.93}, {582, 2.94, 2.99},
@@ -55,6 +80,26 @@ static const Row nickel[] = {
     {354, 1.74, 2.32}, {368, 1.70, 2.40}, {381, 1.72, 2.48}, {397, 1.72, 2.57}, {413, 1.70, 2.69}, {431, 1.71, 2.82},
     {451, 1.73, 2.95}, {471, 1.78, 3.09}, {496, 1.82, 3.25}, {521, 1.85, 3.42}, {549, 1.92, 3.61}, {582, 1.96, 3.80},
     {617, 1.99, 4.02}, {659, 1.99, 4.26}, {704, 2.06, 4.50}, {756, 2.13, 4.73}, {821, 2.26, 4.97}, {892, 2.40, 5.23},
+};
+static const Row palladium[] = {
+    {354, 1.23, 2.65}, {368, 1.24, 2.74}, {381, 1.26, 2.83}, {397, 1.30, 2.93}, {413, 1.33, 3.03}, {431, 1.37, 3.14},
+    {451, 1.41, 3.26}, {471, 1.46, 3.39}, {496, 1.52, 3.54}, {521, 1.57, 3.68}, {549, 1.64, 3.84}, {582, 1.68, 4.02},
+    {617, 1.75, 4.21}, {659, 1.80, 4.42}, {704, 1.86, 4.65}, {756, 1.95, 4.89}, {821, 2.06, 5.19}, {892, 2.23, 5.50},
+};
+static const Row platinum[] = {
+    {353.24, 1.6061, 2.5610}, {367.41, 1.6448, 2.6513}, {382.14, 1.6838, 2.7414}, {397.46, 1.7225, 2.8323},
+    {413.4, 1.7611, 2.9253},  {429.98, 1.7998, 3.0210}, {447.22, 1.8390, 3.1204}, {465.15, 1.8796, 3.2240},
+    {483.81, 1.9222, 3.3320}, {503.21, 1.9676, 3.4447}, {523.39, 2.0166, 3.5618}, {544.37, 2.0699, 3.6830},
+    {566.2, 2.1281, 3.8079},  {588.91, 2.1917, 3.9358}, {612.52, 2.2607, 4.0661}, {637.09, 2.3354, 4.1979},
+    {662.63, 2.4155, 4.3305}, {689.2, 2.5006, 4.4633},  {716.84, 2.5903, 4.5958}, {745.59, 2.6837, 4.7276},
+    {775.49, 2.7802, 4.8586}, {806.58, 2.8789, 4.9889}, {838.93, 2.9790, 5.1191},
+};
+static const Row rhodium[] = {
+    {354.2, 1.04, 3.71}, {364.7, 1.11, 3.84}, {375.7, 1.20, 3.97}, {387.5, 1.30, 4.09}, {400, 1.41, 4.20},
+    {413.3, 1.53, 4.29}, {427.5, 1.63, 4.36}, {459.2, 1.80, 4.49}, {476.9, 1.85, 4.55}, {495.9, 1.88, 4.65},
+    {516.6, 1.90, 4.78}, {539.1, 1.94, 4.94}, {563.6, 2.00, 5.11}, {590.4, 2.05, 5.30}, {619.9, 2.12, 5.51},
+    {652.6, 2.20, 5.76}, {688.8, 2.30, 6.02}, {729.3, 2.42, 6.33}, {774.9, 2.60, 6.64}, {826.6, 2.78, 6.97},
+    {885.6, 3.01, 7.31},
 };
 static const Row silver[] = {
     {354.2, 0.10, 1.419}, {367.9, 0.07, 1.657}, {381.5, 0.05, 1.864}, {397.4, 0.05, 2.070}, {413.3, 0.05, 2.275},
@@ -85,8 +130,9 @@ typedef struct Metal {
 #name, name, sizeof name / sizeof *name                                                                        \
     }
 static const Metal metals[] = {
-    METAL(aluminium), METAL(brass),  METAL(chromium), METAL(copper),          METAL(gold),
-    METAL(iron),      METAL(nickel), METAL(silver),   METAL(stainless_steel), METAL(titanium),
+    METAL(aluminium), METAL(brass),      METAL(bronze), METAL(chromium),        METAL(copper),
+    METAL(gold),      METAL(green_gold), METAL(iron),   METAL(nickel),          METAL(palladium),
+    METAL(platinum),  METAL(rhodium),    METAL(silver), METAL(stainless_steel), METAL(titanium),
 };
 enum { METALS = sizeof metals / sizeof *metals, MOST_ROWS = 64 };
 

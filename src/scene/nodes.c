@@ -52,7 +52,9 @@
 #define TEXTURE_SEED PROP(seed, INTEGER, UNIT_NONE, 0, 0, 4294967295.0, NULL, "0", "another seed is another pattern")
 
 /* The names of optics/metal.h; a test compares them. */
-#define METALS "aluminium|brass|chromium|copper|gold|iron|nickel|silver|stainless_steel|titanium"
+#define METALS                                                                                                         \
+    "aluminium|brass|bronze|chromium|copper|gold|green_gold|iron|nickel|palladium|platinum|rhodium|silver|stainless_"  \
+    "steel|titanium"
 
 /* First the tables of properties ... */
 #define NODE(name, flags, child_types, doc) static const PropType name##_props[] = {

@@ -93,6 +93,11 @@ says out 'film = 400nm'
 run help frosted_glass
 exits 0
 says out "surface { roughness = .3 }"
+for topic in platinum rose_gold white_gold bronze; do
+    run help $topic
+    exits 0
+    says out 'surface { metal = platinum'
+done
 run help mist
 exits 0
 says out 'bows, coronas and glories of their size'

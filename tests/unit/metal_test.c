@@ -72,11 +72,14 @@ static void metals_reflect_as_published(void **unused)
         const char *name;
         float wavelength_nm, reflectance, tolerance;
     } known[] = {
-        {"gold", 450, 0.39f, 0.02f},    {"gold", 550, 0.81f, 0.03f},       {"gold", 650, 0.96f, 0.02f},
-        {"silver", 450, 0.975f, 0.02f}, {"silver", 650, 0.985f, 0.015f},   {"copper", 450, 0.54f, 0.02f},
-        {"copper", 650, 0.94f, 0.03f},  {"aluminium", 550, 0.916f, 0.01f}, {"chromium", 550, 0.56f, 0.03f},
-        {"iron", 550, 0.52f, 0.05f},    {"nickel", 550, 0.62f, 0.03f},     {"titanium", 550, 0.60f, 0.04f},
-        {"brass", 450, 0.43f, 0.06f},   {"brass", 600, 0.86f, 0.03f},      {"stainless_steel", 550, 0.58f, 0.04f},
+        {"gold", 450, 0.39f, 0.02f},      {"gold", 550, 0.81f, 0.03f},       {"gold", 650, 0.96f, 0.02f},
+        {"silver", 450, 0.975f, 0.02f},   {"silver", 650, 0.985f, 0.015f},   {"copper", 450, 0.54f, 0.02f},
+        {"copper", 650, 0.94f, 0.03f},    {"aluminium", 550, 0.916f, 0.01f}, {"chromium", 550, 0.56f, 0.03f},
+        {"iron", 550, 0.52f, 0.05f},      {"nickel", 550, 0.62f, 0.03f},     {"titanium", 550, 0.60f, 0.04f},
+        {"brass", 450, 0.43f, 0.06f},     {"brass", 600, 0.86f, 0.03f},      {"stainless_steel", 550, 0.58f, 0.04f},
+        {"platinum", 450, 0.59f, 0.03f},  {"platinum", 550, 0.64f, 0.03f},   {"platinum", 650, 0.68f, 0.03f},
+        {"palladium", 550, 0.69f, 0.03f}, {"rhodium", 550, 0.78f, 0.02f},    {"bronze", 450, 0.48f, 0.04f},
+        {"bronze", 650, 0.91f, 0.03f},    {"green_gold", 450, 0.56f, 0.1f},  {"green_gold", 650, 0.93f, 0.03f},
     };
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
         float found = head_on(known[i].name, known[i].wavelength_nm);
