@@ -18,6 +18,7 @@
 #define HABIT_STATEMENT(word, text)
 #define HABIT_WORD(word, text)
 #define HABIT_PREFIX(beginning, text)
+#define HABIT_EXPORT(file, words, names)
 #define HABIT_CHOICE(property, word, choice)
 #define HABIT_INSTEAD(property, words, text)
 #define HABIT_PROPERTY(node, word, property)
@@ -135,6 +136,14 @@ static const WordRow prefix_rows[] = {
 #include "lang/habit_words.def"
 #undef HABIT_PREFIX
 #define HABIT_PREFIX(beginning, text)
+};
+
+static const NodeRow export_rows[] = {
+#undef HABIT_EXPORT
+#define HABIT_EXPORT(file, words, names) {"std/" #file ".mns", words, names},
+#include "lang/habit_words.def"
+#undef HABIT_EXPORT
+#define HABIT_EXPORT(file, words, names)
 };
 
 static const struct {
@@ -286,6 +295,10 @@ const char *habit_word(const char *word)
     for (size_t i = 0; !text && i < COUNT_OF(prefix_rows); i++)
         if (strncmp(word, prefix_rows[i].word, strlen(prefix_rows[i].word)) == 0) text = prefix_rows[i].text;
     return text;
+}
+const char *habit_export(const char *file, const char *word)
+{
+    return find_of_node(export_rows, COUNT_OF(export_rows), file, word);
 }
 const char *habit_choice(const char *property, const char *word)
 {

@@ -30,6 +30,7 @@ const char *habit_block(const char *word);                     /* POV-Ray's */
 const char *habit_node(const char *word);                      /* the same and those of others */
 const char *habit_setting(const char *node, const char *word); /* node: NULL at the top */
 const char *habit_word(const char *word);
+const char *habit_export(const char *file, const char *word); /* "std/media.mns": the names of it that may be meant */
 const char *habit_statement(const char *word);
 const char *habit_choice(const char *property, const char *word);
 const char *habit_instead(const char *property, const char *word); /* of a choice that there is none for: a hint */

@@ -107,6 +107,10 @@ bool note_later_declaration(Resolver *resolver, Diagnostic *report, const Symbol
 /* A hint at a name like the wrong one that is declared behind the place, with a note on where. */
 void suggest_later(Resolver *resolver, Diagnostic *report, const Symbol *wrong);
 const char *nearest_visible(Resolver *resolver, const Symbol *wrong);
+/* Hints at the name where a file of the library has it; medium: as a value, before its macros and functions. */
+bool hint_at_library(Resolver *resolver, Diagnostic *report, const char *name, bool medium);
+/* A file in use has no such name: the report, with what may be meant. */
+void report_not_exported(Resolver *resolver, Span span, const File *file, const Symbol *symbol);
 
 /* What to write in place of "ball.radius". */
 void hint_at_reading(Diag *diag, Diagnostic *report, const char *property);

@@ -74,8 +74,7 @@ static const char *name_in_use(const Resolver *resolver, const EvalLibraryFile *
     return NULL;
 }
 
-/* Of a name that a file of the library has; medium: as a value, before its macros and functions. */
-static bool hint_at_library(Resolver *resolver, Diagnostic *report, const char *name, bool medium)
+bool hint_at_library(Resolver *resolver, Diagnostic *report, const char *name, bool medium)
 {
     for (size_t i = 0; resolver->library && i < resolver->library->n_files; i++) {
         const EvalLibraryFile *file = &resolver->library->files[i];
@@ -158,38 +157,6 @@ static const Binding *find_export(const File *file, const Symbol *symbol)
     for (uint32_t i = 0; i < file->n_exports; i++)
         if (file->exports[i].symbol == symbol) return file->exports[i].binding;
     return NULL;
-}
-
-/* What of a file's names may be meant: the one that holds the word; else where they are all listed, or which they are. */
-static void hint_at_exports(Diag *diag, Diagnostic *report, const char *file, const char *wrong, const Words *words)
-{
-    enum { MOST_LISTED = 12 };
-    const char *holder = NULL, *end = strrchr(file, '.');
-    size_t n_holders = 0;
-    for (size_t i = 0; i < words->n; i++)
-        if (strstr(words->items[i], wrong)) holder = words->items[i], n_holders++;
-    if (n_holders == 1) {
-        diag_hint(diag, report, "did you mean '%s'?", holder);
-    } else if (strncmp(file, "std/", 4) == 0 && end) {
-        diag_hint(diag, report, "'meniscus help %.*s' lists what it has", (int)(end - file), file);
-    } else if (words->n > 0 && words->n <= MOST_LISTED) {
-        Buf list = {0};
-        for (size_t i = 0; i < words->n; i++)
-            buf_format(&list, "%s%s", i == 0 ? "" : i + 1 == words->n ? " and " : ", ", words->items[i]);
-        diag_hint(diag, report, "it has %s", buf_text(&list));
-        buf_clear(&list);
-    }
-}
-
-static void report_not_exported(Resolver *resolver, Span span, const File *file, const Symbol *symbol)
-{
-    Words words = {0};
-    for (uint32_t i = 0; i < file->n_exports; i++) add_word(&words, file->exports[i].symbol->text);
-    const char *name = resolver->diag->sources->sources[file->source].name;
-    Diagnostic *report = diag_report(resolver->diag, D_UNKNOWN_NAME, span, "'%s' has no '%s'", name, symbol->text);
-    diag_suggest(resolver->diag, report, symbol->text, words.items, words.n);
-    if (!report->hint) hint_at_exports(resolver->diag, report, name, symbol->text, &words);
-    free(words.items);
 }
 
 /* Of a name that is none of a file in use, with a member behind it: what it may be meant for, or else what brings such a

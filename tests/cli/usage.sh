@@ -98,6 +98,19 @@ for topic in platinum rose_gold white_gold bronze; do
     exits 0
     says out 'surface { metal = platinum'
 done
+while read -r topic answer; do
+    run help "$topic"
+    exits 0
+    says out "$answer"
+done <<'TOPICS'
+smoked tint = rgb(
+condensation shapes.droplets(
+dew shapes.droplets(
+fire emission = blackbody(
+engraving difference {
+cracks interior = air
+frost roughness = .3
+TOPICS
 run help mist
 exits 0
 says out 'bows, coronas and glories of their size'

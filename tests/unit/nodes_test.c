@@ -4,9 +4,12 @@
 
 #include <ctype.h>
 #include <math.h>
+#include <stdio.h>
+#include <string.h>
 
 #include "base/num.h"
 #include "lang/habits.h"
+#include "scene/library.h"
 #include "scene_fixture.h"
 
 static void check_doc(const char *what, const char *doc)
@@ -196,6 +199,47 @@ static void other_nodes_are_none_here(void **state)
                 fail_msg("'%s' is a node", scene_schema()->nodes[k].name);
 }
 
+static bool library_declares(const char *file, const char *name, size_t length)
+{
+    static const char *const keywords[] = {"def", "medium"};
+    char whole[80], line[80];
+    snprintf(whole, sizeof whole, "std/%s.mns", file);
+    const EvalLibraryFile *found = NULL;
+    for (size_t i = 0; i < std_library.n_files; i++)
+        if (strcmp(std_library.files[i].name, whole) == 0) found = &std_library.files[i];
+    assert_non_null(found);
+    for (size_t i = 0; i < COUNT_OF(keywords); i++) {
+        snprintf(line, sizeof line, "\n%s %.*s", keywords[i], (int)length, name);
+        const char *at = strstr(found->text, line);
+        for (; at; at = strstr(at + 1, line))
+            if (at[strlen(line)] == ' ' || at[strlen(line)] == '(') return true;
+    }
+    return false;
+}
+
+/* Other words for what the library has: they are no names of its files, and what they stand for is. */
+static void names_of_the_library_are_there(void **state)
+{
+    (void)state;
+#undef HABIT_WORD
+#define HABIT_WORD(words, text)
+#define HABIT_PREFIX(beginning, text)
+#define HABIT_EXPORT(file, words, names) {#file, words, names},
+    static const struct {
+        const char *file, *words, *names;
+    } rows[] = {
+#include "lang/habit_words.def"
+    };
+    assert_true(COUNT_OF(rows) > 20);
+    for (size_t i = 0; i < COUNT_OF(rows); i++) {
+        for (const char *name = rows[i].names; *name; name += strcspn(name, " "), name += strspn(name, " "))
+            if (!library_declares(rows[i].file, name, strcspn(name, " "))) fail_msg("%s: no '%s'", rows[i].file, name);
+        for (const char *word = rows[i].words; *word; word += strcspn(word, " "), word += strspn(word, " "))
+            if (library_declares(rows[i].file, word, strcspn(word, " ")))
+                fail_msg("%s: '%s' is a name", rows[i].file, word);
+    }
+}
+
 /* The parser, which knows no schema, is told which nodes hold others: those of the table of nodes, and no more. */
 static void nodes_that_hold_others(void **state)
 {
@@ -211,7 +255,7 @@ int main(void)
         cmocka_unit_test(nodes_that_hold_others),          cmocka_unit_test(hints_name_what_there_is),
         cmocka_unit_test(hints_are_for_what_there_is_not), cmocka_unit_test(other_nodes_are_none_here),
         cmocka_unit_test(names_are_unique_and_documented), cmocka_unit_test(defaults_are_in_range),
-        cmocka_unit_test(bare_nodes_are_accepted),
+        cmocka_unit_test(bare_nodes_are_accepted),         cmocka_unit_test(names_of_the_library_are_there),
     };
     return cmocka_run_group_tests_name("nodes", tests, NULL, NULL);
 }
