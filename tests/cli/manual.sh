@@ -77,6 +77,9 @@ for page in sorted(glob.glob(sys.argv[1] + "/*.[157]")):
             open(f"manual{n}.mns", "w").write("\n".join(lines))
 sys.exit(n == 0)
 PYTHON
+echo 'meniscus 1.0 unit mm  camera { from = 9 * z  to = <0, 0, 0> }  film { alpha = true  size = <9, 6> }  sphere { surface = surface { } }' > label.mns
+run render label.mns -q -s 1 -o label.png
+exits 0
 for scene in manual*.mns; do
     run check "$scene" --werror
     exits 0

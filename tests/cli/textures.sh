@@ -107,6 +107,63 @@ SCENE
 done
 end
 
+begin "a picture in a plane is on both sides, and by a function of the normal on one"
+label black.png 0 255
+cat > wall.mns << SCENE
+meniscus 1.0 unit cm
+let print = image { file = "black.png"  wrap = once  projection = planar  scale(<4, 4, 1>)  translate(<-2, -2, 0>) }
+def front(p, normal) = normal.z > .5 ? 1 : 0
+param side = 1
+param sides = 2
+let all = print { channel = alpha }
+let mask = sides == 0 ? 0 : sides == 1 ? mix { from = 0  to = all  blend = front } : all
+box { from = <-9, -9, -1>  to = <9, 9, 1>  surface = surface { albedo = mix { from = .8  to = print  blend = mask } } }
+camera { from = <0, 0, 9 * side>  to = <0, 0, 0>  fov = 60 }
+environment { color = 1 }
+film { size = <32, 32> }
+render { samples = 16 }
+SCENE
+for side in 1 -1; do
+    for sides in 0 1 2; do
+        run render wall.mns -D side=$side -D sides=$sides -o wall$side$sides.exr -q
+        exits 0
+    done
+done
+run compare wall11.exr wall12.exr --max-rmse 0.001
+exits 0
+run compare wall-11.exr wall-10.exr --max-rmse 0.001
+exits 0
+run compare wall-12.exr wall-10.exr --max-rmse 0.05
+[ "$status" != 0 ] || flunk "not on the far side"
+end
+
+begin "a label that was rendered comes back as it was by EXR, and by PNG without the tones of film"
+cat > paper.mns << SCENE
+meniscus 1.0 unit mm
+param file = ""
+let paper = file == "" ? rgb(.85, .5, .1) : image { file = file  projection = planar  translate(<-.5, -.5, 0>)  scale(20) }
+box { from = <-10, -10, -1>  to = <10, 10, 0>  surface = surface { albedo = 0  emission = paper } }
+camera { projection = orthographic  from = <0, 0, 50>  to = <0, 0, 0>  width = 16 }
+film { size = <32, 32>  alpha = true }
+render { samples = 16 }
+SCENE
+run render paper.mns -o paper.exr -q
+exits 0
+run view paper.exr -o film.png
+exits 0
+run view paper.exr -o plain.png --view Un-tone-mapped
+exits 0
+for file in paper.exr plain.png film.png; do
+    run render paper.mns -D "file=\"$file\"" -o back.exr -q
+    exits 0
+    run compare back.exr paper.exr --max-rmse 0.02
+    case $file in
+    film.png) [ "$status" != 0 ] || flunk "$file: as it was" ;;
+    *) exits 0 ;;
+    esac
+done
+end
+
 begin "a label on glass: what is clear of the picture lets light through as the glass does"
 label none.png 200 0
 label all.png 200 255
