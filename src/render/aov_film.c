@@ -26,7 +26,9 @@ enum {
     SUM_DEPTH = SUM_MEDIUM + 3, /* the three of AOV_NESTING stand in a row, in the order of its channels */
     SUM_SILENT,
     SUM_FAULTS,
-    AOV_SUMS,
+    SUM_LOOKS, /* for the denoiser alone: how many samples there are of what follows */
+    SUM_PASSED,
+    AOV_SUMS = SUM_PASSED + 3,
     SUM_WAY = SUM_SILENT /* of what is seen behind clear surfaces: a length */
 };
 
@@ -42,10 +44,15 @@ static bool has(AovSet set, Aov aov)
     return (set >> aov & 1) != 0;
 }
 
+static bool has_behind(const AovFilm *film)
+{
+    return (film->set & AOV_SET_BEHIND) != 0;
+}
+
 /* How many sums a pixel has: those of what is seen behind clear surfaces follow the others. */
 static size_t sums_of_pixel(const AovFilm *film)
 {
-    return aov_film_needs_behind(film) ? 2 * AOV_SUMS : AOV_SUMS;
+    return has_behind(film) ? 2 * AOV_SUMS : AOV_SUMS;
 }
 
 /* ---- names, hashes, colours ---- */
@@ -238,7 +245,11 @@ void aov_film_add(AovFilm *film, uint32_t x, uint32_t y, const FirstSight *sight
     int64_t *sums = film->sums + pixel * sums_of_pixel(film);
     sums[SUM_SILENT] += (int64_t)(after->silent_crossings - before->silent_crossings);
     sums[SUM_FAULTS] += (int64_t)(after->nesting_faults - before->nesting_faults);
-    if (aov_film_needs_behind(film)) add_behind(film, pixel, behind);
+    if (has_behind(film)) add_behind(film, pixel, behind);
+    if (film->guides && behind) {
+        sums[SUM_LOOKS]++;
+        add_floats(sums + SUM_PASSED, behind->passed, 3);
+    }
     if (!sight->met) return;
     add_sight(film, sums, sight);
     sums[SUM_DEPTH] += sight->n_hulls;
@@ -401,11 +412,15 @@ static float *put_aov(const AovFilm *aovs, const Film *film, size_t pixel, Aov a
     return out;
 }
 
-void aov_film_guide(const AovFilm *aovs, const Film *film, size_t pixel, float guide[AOV_GUIDES])
+double aov_film_guide(const AovFilm *aovs, const Film *film, size_t pixel, float guide[AOV_GUIDES])
 {
     float *distance = put_aov(aovs, film, pixel, AOV_NORMAL, put_aov(aovs, film, pixel, AOV_ALBEDO, guide));
     put_aov(aovs, film, pixel, AOV_DEPTH, distance);
     *distance = logf(fmaxf(*distance, FLT_MIN));
+    const int64_t *sums = aovs->sums + pixel * sums_of_pixel(aovs), *passed = sums + SUM_PASSED;
+    const double looks = (double)sums[SUM_LOOKS];
+    for (int i = 0; i < 3; i++) distance[1 + i] = (float)((double)passed[i] * FILM_UNIT / fmax(looks, 1));
+    return looks;
 }
 
 /* The names of all channels: of the film, then of the AOVs in the order of the table. Returns how many. */

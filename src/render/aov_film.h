@@ -7,8 +7,9 @@
 #include "render/tally.h"
 #include "trace/path.h"
 
-/* What keeps unlike things apart where a picture is denoised: albedo, normal, and the logarithm of the distance. */
-enum { AOV_GUIDES = 7, AOV_TALLIES = 5 };
+/* What keeps unlike things apart where a picture is denoised: albedo, normal, the logarithm of the distance, and which things are seen
+ * behind what is clear. */
+enum { AOV_GUIDES = 10, AOV_TALLIES = 5 };
 
 typedef struct AovFilm {
     AovSet set;
@@ -33,12 +34,13 @@ static inline bool aov_film_needs_sight(const AovFilm *film)
 {
     return film->sums != NULL;
 }
-/* And what is seen behind clear surfaces. */
-static inline bool aov_film_needs_behind(const AovFilm *film)
+/* And what is seen behind clear surfaces, of a pixel's sample of that number: for guides alone, some are enough. The first digits of a
+ * number say where in the pixel a sample is, so that they are not every so-manyth. */
+static inline bool aov_film_needs_behind(const AovFilm *film, uint32_t index)
 {
-    return (film->set & AOV_SET_BEHIND) != 0;
+    return (film->set & AOV_SET_BEHIND) != 0 || (film->guides && index % 16 < 4);
 }
-/* One sample; behind: where that is needed; before and after: the tracer's counters. A pixel belongs to one thread at a time. */
+/* One sample; behind: where that is needed, else NULL; before and after: the tracer's counters. A pixel belongs to one thread at a time. */
 void aov_film_add(AovFilm *film, uint32_t x, uint32_t y, const FirstSight *sight, const FirstSight *behind,
                   const PathCounters *before, const PathCounters *after);
 /* Rows as bytes, and joining two, as film_save_row and its like have it. Those of films of one set and unit. false from joining
@@ -52,8 +54,8 @@ size_t aov_film_pixel_size(void);
 ATTR_NODISCARD Status aov_film_resolve(const AovFilm *aovs, const Film *film, const Spread *spread, Pool *pool,
                                        Image *image, Error *error);
 
-/* Of a pixel, by its number in rows: of a film that keeps guides. */
-void aov_film_guide(const AovFilm *aovs, const Film *film, size_t pixel, float guide[AOV_GUIDES]);
+/* Of a pixel, by its number in rows: of a film that keeps guides. How many of its samples have seen the last three. */
+double aov_film_guide(const AovFilm *aovs, const Film *film, size_t pixel, float guide[AOV_GUIDES]);
 /* The attributes of a file that holds these: name and text of each, for EXR. */
 void aov_visit_attributes(AovSet set, const Scene *scene,
                           void (*visit)(void *context, const char *name, const char *text), void *context);

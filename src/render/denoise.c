@@ -35,6 +35,10 @@ enum { WINDOW = 10, PATCH = 3, BORDER = WINDOW + PATCH };
 #define ALBEDO_APART 0.06f
 #define NORMAL_APART 0.25f
 #define DISTANCE_APART 0.06f
+/* By how much what is seen behind clear things may, of which each counts with .25 to 1; and the variance of one sample of that,
+ * where a rough boundary, or one that is clear in part, shows now the one and now the other. */
+#define PASSED_APART 0.15f
+#define PASSED_VARIANCE 0.25f
 /* Changes are made up to this many times what those around a pixel say that pays: see settle. */
 #define CHANGES_PAID 1.5f
 enum { CHANGES_AROUND = 4 };
@@ -66,6 +70,7 @@ typedef struct Planes {
     float *maps[MAPS];
     float *memory;
     Pool *pool;
+    float passed_scale; /* 1 / what may be the difference between what two pixels see behind clear things */
 } Planes;
 
 static Status planes_new(Planes *planes, uint32_t width, uint32_t height, Pool *pool, Error *error)
@@ -106,19 +111,21 @@ static void mirror(const Planes *planes, float *plane)
     }
 }
 
-static void fill(const Planes *planes, const Film *film, const AovFilm *aovs, const uint32_t area[4],
-                 const Image *image)
+static void fill(Planes *planes, const Film *film, const AovFilm *aovs, const uint32_t area[4], const Image *image)
 {
+    double looks = 0;
     for (uint32_t y = 0; y < planes->height; y++)
         for (uint32_t x = 0; x < planes->width; x++) {
             size_t pixel = (size_t)(area[1] + y) * image->width + area[0] + x, to = y * planes->stride + x;
             float guide[AOV_GUIDES];
-            aov_film_guide(aovs, film, pixel, guide);
+            looks += aov_film_guide(aovs, film, pixel, guide);
             for (int i = 0; i < 3; i++)
                 planes->plane[PLANE_RED + i][to] = image->pixels[pixel * image->n_channels + (size_t)i];
             for (int i = 0; i < AOV_GUIDES; i++) planes->plane[PLANE_GUIDE + i][to] = guide[i];
             planes->plane[PLANE_VALID][to] = film->pixels[pixel].n >= DENOISE_LEAST_SAMPLES ? 1.0f : 0.0f;
         }
+    double mean = fmax(looks / ((double)planes->width * planes->height), 1);
+    planes->passed_scale = 1 / sqrtf(PASSED_APART * PASSED_APART + 2 * PASSED_VARIANCE / (float)mean);
 }
 
 /* A map's mean around each pixel takes its place. */
@@ -255,8 +262,10 @@ static void tell_colors_apart(const Planes *planes, ptrdiff_t a, ptrdiff_t b, in
 /* The same of what is met first. */
 static void tell_guides_apart(const Planes *planes, ptrdiff_t a, ptrdiff_t b, int n, float *restrict apart)
 {
-    static const float scales[AOV_GUIDES] = {1 / ALBEDO_APART, 1 / ALBEDO_APART, 1 / ALBEDO_APART,  1 / NORMAL_APART,
-                                             1 / NORMAL_APART, 1 / NORMAL_APART, 1 / DISTANCE_APART};
+    const float passed = planes->passed_scale,
+                scales[AOV_GUIDES] = {
+                    1 / ALBEDO_APART, 1 / ALBEDO_APART,   1 / ALBEDO_APART, 1 / NORMAL_APART, 1 / NORMAL_APART,
+                    1 / NORMAL_APART, 1 / DISTANCE_APART, passed,           passed,           passed};
     for (int x = 0; x < n; x++) apart[x] = 0;
     for (int k = 0; k < AOV_GUIDES; k++) {
         const float *guide_a = planes->plane[PLANE_GUIDE + k] + a, *guide_b = planes->plane[PLANE_GUIDE + k] + b;

@@ -4,7 +4,8 @@
  * no more than noise explains: non-local means, with the noise known from the samples themselves [RKZ12]. So a plain wall is
  * smoothed over the whole window, a line along itself, and a glint that nothing resembles stays as it is. What the samples
  * meet first - colour, direction and distance of the surface, which have little noise - keeps pixels of unlike things apart
- * [RMZ13]; behind a boundary of clear media the colours alone do that.
+ * [RMZ13]; and so does which things a line of sight comes to behind a boundary of clear media, such as a thin tube in a bottle, which
+ * is as faint as the noise. What is mirrored there, and what differs within one thing, the colours alone tell.
  *
  * Deviations from these: the noise of a colour is that of the luminance, as pixel_noise.h has it of evenly spread samples,
  * in proportion to how the means of a pixel's first samples and of its others differ in that colour around the pixel, or

@@ -215,10 +215,12 @@ static bool render_sample(Job *job, unsigned worker, uint32_t x, uint32_t y, uin
     float rgb[3], alpha;
     uint64_t rays = tracer->counters.rays;
     if (tracer->notes_sight) before = tracer->counters;
+    tracer->notes_behind = aov_film_needs_behind(&job->state->aovs, index);
     const FilmSample sample = {x, y, settings->width, settings->height, settings->seed, index};
     trace_sample(tracer, &sample, rgb, &alpha);
     if (tracer->notes_sight)
-        aov_film_add(&job->state->aovs, x, y, &tracer->first_sight, &tracer->behind, &before, &tracer->counters);
+        aov_film_add(&job->state->aovs, x, y, &tracer->first_sight, tracer->notes_behind ? &tracer->behind : NULL,
+                     &before, &tracer->counters);
     bool saturated = film_add(&job->state->film, x, y, rgb, alpha);
     film_add_rays(&job->state->film, x, y, tracer->counters.rays - rays);
     if (job->state->bright.pixels) bright_film_add(&job->state->bright, x, y, rgb, tracer->seen, &tracer->reflected);
@@ -551,10 +553,7 @@ static Status job_init(Job *job, Error *error)
     }
     job->state->aovs.world = job->world;
     count_before(job);
-    for (unsigned i = 0; i < job->n_threads; i++) {
-        job->tracers[i].notes_sight = aov_film_needs_sight(&job->state->aovs);
-        job->tracers[i].notes_behind = aov_film_needs_behind(&job->state->aovs);
-    }
+    for (unsigned i = 0; i < job->n_threads; i++) job->tracers[i].notes_sight = aov_film_needs_sight(&job->state->aovs);
     return STATUS_OK;
 }
 

@@ -6,6 +6,10 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "trace/sight.h"
 
+#include <string.h>
+
+#include "base/attr.h"
+#include "base/hash.h"
 #include "nest/cross.h"
 #include "optics/fresnel.h"
 #include "optics/microfacet.h"
@@ -209,6 +213,26 @@ static void note_ways(const Ways *ways, FirstSight *sight)
     }
 }
 
+/* Which things a line has come to, each counted once; of more than there is room for, the first ones. So a bubble is told from
+ * none, and two of them from one, but not a line that is mirrored ten times within a gem from one that is eleven times. */
+typedef struct Things {
+    uint32_t n, objects[8];
+} Things;
+
+static void add_thing(Things *things, const World *world, const Event *event, float passed[3])
+{
+    if (event->kind != EVENT_BOUNDARY && event->kind != EVENT_OPAQUE) return;
+    const Scene *scene = world->scene;
+    const uint32_t whole = world->looks[event->hit.object].whole;
+    uint32_t i = 0;
+    while (i < things->n && things->objects[i] != whole) i++;
+    if (i < things->n || i == COUNT_OF(things->objects)) return;
+    things->objects[things->n++] = whole;
+    const SceneObject *object = &scene->objects[whole];
+    uint32_t material = object->medium != SCENE_NONE ? object->medium : scene->n_media + object->surface;
+    for (uint32_t k = 0; k < 3; k++) passed[k] += 0.25f + 0.75f * hash_to_unit_f(hash_combine(material, k));
+}
+
 /* From the first thing that the line has come to. Media in front of that do not scatter it, and neither does what is outside of all
  * objects. */
 static void look_behind(Path *look, Event *event, FirstSight *behind)
@@ -216,6 +240,8 @@ static void look_behind(Path *look, Event *event, FirstSight *behind)
     Tracer *tracer = look->tracer;
     const bool textured = tracer->world->scene->n_textures > 0;
     Ways ways = {.n = 0};
+    Things things = {.n = 0};
+    float passed[3] = {0, 0, 0};
     double distance = 0;
     uint32_t entered = NEST_WORLD;
     for (uint32_t i = 0; i < MOST_BOUNDARIES; i++) {
@@ -223,6 +249,7 @@ static void look_behind(Path *look, Event *event, FirstSight *behind)
         if (!look_through(look, event)) break;
         if (textured) path_widen(look);
         entered = compiled_hull(tracer->world->compiled, event->hit.object);
+        add_thing(&things, tracer->world, event, passed);
         distance += event->hit.t;
         look->bounce++;
         look->straight = nest_medium(&tracer->list) == WORLD_MEDIUM;
@@ -236,6 +263,8 @@ static void look_behind(Path *look, Event *event, FirstSight *behind)
         note_scattering(look, event, entered, behind);
     else
         sight_note(look, event, behind);
+    if (things.n) add_thing(&things, tracer->world, event, passed); /* what is seen behind them, at last */
+    memcpy(behind->passed, passed, sizeof passed);
     behind->distance += distance;
     note_ways(&ways, behind);
     if (behind->scatters)
