@@ -99,7 +99,7 @@ static Aim aim_at(const Path *path, const Event *event, const Bsdf *bsdf, const 
     const BsdfLobe *lobe = &bsdf->lobes[0];
     Aim aim = {.share = 0};
     if (!(light->pdf_w > 0) || event->kind != EVENT_BOUNDARY || path->is_photon ||
-        path->tracer->world->trial.frost_alone || bsdf->n_lobes != 1 || lobe->kind != BSDF_BOUNDARY ||
+        path->tracer->world->trial.frost_alone || bsdf->n_lobes != 1 || lobe->kind != BSDF_BOUNDARY || 0 ||
         !(lanes_get(lobe->as.boundary.eta_t, 0) > lanes_get(lobe->as.boundary.eta_i, 0)))
         return aim;
     Vec3f local = to_local(frame, light->direction);
