@@ -68,6 +68,21 @@ static void mirrored_lamps_are_less_noisy(void **state)
     }
 }
 
+/* Of all pixels of a picture under two skies. */
+static Estimate total_of(const char *text, Trial trial, uint32_t samples)
+{
+    Fixture scene;
+    Picture picture;
+    truth_open(&scene, (TruthInput){.text = text, .sky = truth_two_skies, .policy = NEST_AUTOMATIC});
+    RenderSettings settings = truth_settings(32, samples);
+    settings.trial = trial;
+    truth_render(&scene, &settings, 0, &picture);
+    Estimate total = truth_total(&picture);
+    truth_clear(&picture);
+    fixture_clear(&scene);
+    return total;
+}
+
 /* Bodies that bend light anywhere, with shading normals, dispersion, absorption and other bodies within: what is
  * predicted is mostly wrong there, and the sum of the light must be the same. */
 static void wrong_guesses_cost_nothing_but_noise(void **state)
@@ -84,19 +99,9 @@ static void wrong_guesses_cost_nothing_but_noise(void **state)
         "light { shape = sphere  from = <70, 30, 30>  radius = 12  radiance = 20 }\n"
         "light { shape = \"distant\"  from = <.3, 1, 1>  to = <0, 0, 0>  angle = 20deg  power = 1 }\n"
         "camera { from = <0, 20, 120>  to = <3, 0, 0>  fov = 22deg }\n" TRUTH_SKY;
-    Estimate seen[2];
-    for (int alone = 0; alone < 2; alone++) {
-        Fixture scene;
-        Picture picture;
-        truth_open(&scene, (TruthInput){.text = text, .sky = truth_two_skies, .policy = NEST_AUTOMATIC});
-        RenderSettings settings = truth_settings(32, 512);
-        settings.trial.fresnel_alone = alone;
-        truth_render(&scene, &settings, 0, &picture);
-        seen[alone] = truth_total(&picture);
-        truth_clear(&picture);
-        fixture_clear(&scene);
-    }
-    truth_alike("a blob: by light, and by Fresnel alone", seen[1], seen[0], 4, 0.003);
+    Estimate by_light = total_of(text, (Trial){.fresnel_alone = false}, 512),
+             alone = total_of(text, (Trial){.fresnel_alone = true}, 512);
+    truth_alike("a blob: by light, and by Fresnel alone", alone, by_light, 4, 0.003);
 }
 
 /* A pane whose faces are rough, and a sun behind it, off the line of sight: the way in is chosen by the sun that is looked
@@ -153,19 +158,9 @@ static void frosted_bodies_are_as_bright(void **state)
         "light { shape = sphere  from = <0, 0, -60>  radius = 9  radiance = 60 }\n"
         "camera { from = <0, 0, 120>  to = <0, 0, 0>  fov = 12deg }\n" TRUTH_SKY};
     for (size_t i = 0; i < COUNT_OF(texts); i++) {
-        Estimate seen[2];
-        for (int alone = 0; alone < 2; alone++) {
-            Fixture scene;
-            Picture picture;
-            truth_open(&scene, (TruthInput){.text = texts[i], .sky = truth_two_skies, .policy = NEST_AUTOMATIC});
-            RenderSettings settings = truth_settings(32, 1024);
-            settings.trial.frost_alone = alone;
-            truth_render(&scene, &settings, 0, &picture);
-            seen[alone] = truth_total(&picture);
-            truth_clear(&picture);
-            fixture_clear(&scene);
-        }
-        truth_alike("frosted bodies: by light, and by themselves", seen[1], seen[0], 4, 0.005);
+        Estimate by_light = total_of(texts[i], (Trial){.frost_alone = false}, 1024),
+                 alone = total_of(texts[i], (Trial){.frost_alone = true}, 1024);
+        truth_alike("frosted bodies: by light, and by themselves", alone, by_light, 4, 0.005);
     }
 }
 
