@@ -141,10 +141,10 @@ same_flat() {
     run dump --flat "$1"
     exits 0
     cp out flat.mns
-    [ -n "$(scene_hash "$@")" ] || flunk "$1 has no hash"
-    scene=$1
+    hash=$(scene_hash "$@") scene=$1
+    [ -n "$hash" ] || flunk "$scene has no hash"
     shift
-    [ "$(scene_hash "$scene" "$@")" = "$(scene_hash flat.mns "$@")" ] || flunk "$scene has another hash when it is flat"
+    [ "$hash" = "$(scene_hash flat.mns "$@")" ] || flunk "$scene has another hash when it is flat"
     run fmt --check flat.mns
     exits 0
     run dump flat.mns
