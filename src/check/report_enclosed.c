@@ -212,14 +212,13 @@ static bool stands_out(Enclosures *e, uint32_t inner, uint32_t outer)
     const SceneObject *object = &e->scene->objects[inner];
     const Mesh *mesh = object->shape == SCENE_NONE ? NULL : e->scene->shapes[object->shape].mesh;
     if (!mesh || object->motion != SCENE_NONE) return false;
-    for (int asks = 0; asks < 2; asks++)
-        for (uint32_t i = 0; i < PLACES; i++) {
-            const uint32_t *corners = mesh->triangles[(uint64_t)i * mesh->n_triangles / PLACES];
-            Vec3 place = affine_point(&object->to_world, vec3_from_f(mesh->positions[corners[0]]));
-            bool out = asks ? side_of(e, outer, ball_around((Box3){place, place})) == BALL_OUTSIDE
-                            : !box3_holds_point(e->bounds[outer], place);
-            if (out) return true;
-        }
+    for (uint32_t i = 0; i < PLACES; i++) {
+        const uint32_t *corners = mesh->triangles[(uint64_t)i * mesh->n_triangles / PLACES];
+        Vec3 place = affine_point(&object->to_world, vec3_from_f(mesh->positions[corners[0]]));
+        if (!box3_holds_point(e->bounds[outer], place) ||
+            side_of(e, outer, ball_around((Box3){place, place})) == BALL_OUTSIDE)
+            return true;
+    }
     return false;
 }
 

@@ -251,18 +251,6 @@ static bool is_within(Remarks *r, Vec3 place, uint32_t object)
     return true;
 }
 
-/* In the shape's own frame; empty for a plane. */
-static Box3 shape_bounds(const SceneShape *shape)
-{
-    Box3 box = box3_empty();
-    if (shape->mesh)
-        box = mesh_bounds(shape->mesh);
-    else if (shape->solid && shape->solid->pieces[0].kind != PIECE_PLANE)
-        for (uint32_t i = 0; i < shape->solid->n_pieces; i++)
-            box = box3_union(box, piece_bounds(&shape->solid->pieces[i]));
-    return box;
-}
-
 /* Of each object, in the world; empty for operands of combinations, which count for nothing by themselves. A
  * combination lies within the bounds of its operands. false when memory ends. */
 static bool find_bounds(Remarks *r)
@@ -271,12 +259,13 @@ static bool find_bounds(Remarks *r)
     r->bounds = malloc((scene->n_objects ? scene->n_objects : 1) * sizeof *r->bounds);
     Box3 *shapes = malloc((scene->n_shapes ? scene->n_shapes : 1) * sizeof *shapes);
     bool ready = r->bounds && shapes;
-    for (uint32_t i = 0; ready && i < scene->n_shapes; i++) shapes[i] = shape_bounds(&scene->shapes[i]);
+    for (uint32_t i = 0; ready && i < scene->n_shapes; i++) shapes[i] = scene_shape_bounds(&scene->shapes[i]);
     for (uint32_t i = 0; ready && i < scene->n_objects; i++) r->bounds[i] = box3_empty();
     for (uint32_t i = 0; ready && i < scene->n_objects; i++) {
         const SceneObject *object = &scene->objects[i];
         uint32_t whole = scene_whole(scene, i);
-        if (object->shape != SCENE_NONE && is_bounded(&shapes[object->shape]))
+        if (object->shape != SCENE_NONE && is_bounded(&shapes[object->shape]) &&
+            !box3_is_unbounded(shapes[object->shape]))
             r->bounds[whole] = box3_union(r->bounds[whole], affine_box(&object->to_world, shapes[object->shape]));
     }
     for (uint32_t h = 0; ready && h < r->compiled->n_hulls; h++)
