@@ -71,12 +71,12 @@ static void stop_with_reports(Fixture *scene, const TruthInput *input)
     fail_msg("%s: %s", input->file ? input->file : input->text, scene->error.text);
 }
 
-/* With a thread for each processor. */
-static Pool *new_pool(void)
+/* n_threads 0: one per processor */
+static Pool *new_pool(unsigned n_threads)
 {
     Pool *pool = NULL;
     Error error;
-    if (pool_new(0, &pool, &error) != STATUS_OK) fail_msg("%s", error.text);
+    if (pool_new(n_threads, &pool, &error) != STATUS_OK) fail_msg("%s", error.text);
     return pool;
 }
 
@@ -114,7 +114,7 @@ static void compile_built(Fixture *scene, const TruthInput *input, Pool *pool)
 
 void truth_open(Fixture *scene, TruthInput input)
 {
-    Pool *pool = new_pool();
+    Pool *pool = new_pool(0);
     build(scene, &input, pool);
     if (scene->status != STATUS_OK) stop_with_reports(scene, &input);
     if (input.furnace) make_furnace(scene->scene);
@@ -124,7 +124,7 @@ void truth_open(Fixture *scene, TruthInput input)
 
 void truth_compile_again(Fixture *scene, const TruthInput *input)
 {
-    Pool *pool = new_pool();
+    Pool *pool = new_pool(0);
     compiled_scene_free(scene->compiled);
     scene->compiled = NULL;
     compile_built(scene, input, pool);
@@ -135,7 +135,7 @@ bool truth_is_library(const char *file)
 {
     Fixture scene;
     TruthInput input = {.file = file};
-    Pool *pool = new_pool();
+    Pool *pool = new_pool(0);
     build(&scene, &input, pool);
     pool_free(pool);
     bool library = scene.status != STATUS_OK && fixture_find(&scene, D_NO_CAMERA);
@@ -150,9 +150,8 @@ RenderSettings truth_settings(uint32_t width, uint32_t samples)
 
 void truth_render(const Fixture *scene, const RenderSettings *settings, unsigned threads, Picture *picture)
 {
-    Pool *pool = NULL;
+    Pool *pool = new_pool(threads);
     Error error;
-    if (pool_new(threads, &pool, &error) != STATUS_OK) fail_msg("%s", error.text);
     RenderSettings own = *settings;
     own.aovs |= (AovSet)1 << AOV_VARIANCE;
     Status status = render_image(scene->compiled, &own, pool, NULL, &picture->image, &picture->stats, &error);
