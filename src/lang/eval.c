@@ -336,11 +336,10 @@ static bool parse_override(Loader *loader, const char *text, Override *override)
     if (equal == length || dot == equal || dot == 0 || dot + 1 >= end) {
         Span all = {source, 0, (uint32_t)length};
         Diagnostic *report = diag_report(diag, D_SYNTAX, all, "--set takes NODE.PROPERTY=VALUE");
-        bool plain = equal > 0 && equal < length && dot == equal;
-        diag_hint(diag, report,
-                  plain ? "for instance --set camera.fov=30; a param of the scene is set by -D %s"
-                        : "for instance --set camera.fov=30",
-                  text);
+        if (equal > 0 && equal < length && dot == equal)
+            diag_hint(diag, report, "for instance --set camera.fov=30; a param of the scene is set by -D %s", text);
+        else
+            diag_hint(diag, report, "for instance --set camera.fov=30");
         return false;
     }
     override->prop = arena_copy_text(loader->arena, text + dot + 1, end - dot - 1);

@@ -43,8 +43,8 @@ typedef struct FirstSight {
     /* and that medium; else in which object's medium the way from the first surface to there is longest; SCENE_NONE: in none */
     uint32_t through;
     double way; /* the longest of these ways */
-    float passed
-        [3]; /* which things it has passed and come to behind what is clear, as a sum of numbers for their materials */
+    /* which things it has passed and come to behind what is clear, as a sum of numbers for their materials */
+    float passed[3];
 } FirstSight;
 
 /* One of the media that fill a place which a path flies through; see flight.c. */

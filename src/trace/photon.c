@@ -46,7 +46,7 @@ static bool follow_photon(Path *path, float flux, Photon *photon)
         Vec3f before = path->ray.direction;
         if (event.kind == EVENT_BOUNDARY) {
             goes_on = path_cross_boundary(path, &event) && path_went_straight(path);
-            /* half of those that come to frosted glass from within land there, for paths that see it, and half go on */
+            /* half of those that come to frosted glass after others land there, for paths that see it, and half go on */
             if (bent && goes_on && path->scatter_pdf > 0) {
                 goes_on = sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_GUIDE)) < 0.5f;
                 flux *= 2, photon->flux *= 2;

@@ -60,11 +60,10 @@ static void evaluate(const Bsdf *bsdf, const SurfacePlace *place, const Frame *f
     *pdf_w = lanes_add(*pdf_w, more_pdf);
 }
 
-/* keen: this is on the way from where the path was scattered last. *light: what was looked at; pdf_w 0: nothing. */
+/* keen: this is on the way from where the path was scattered last. *light, of pdf_w 0, becomes what was looked at. */
 static void add_light(Path *path, Event *event, const Bsdf *bsdf, const SurfacePlace *place, const Frame *frame,
                       Vec3f view, bool keen, LightSample *light)
 {
-    light->pdf_w = 0;
     if (bsdf->specular_only) return;
     const LightChoices *lights = path_lights(path, bsdf->transmits || event->n_cluster > 1);
     path_choose_light(path, lights, place->position, one_side(bsdf, place), light);
@@ -98,7 +97,7 @@ static Aim aim_at(const Path *path, const Event *event, const Bsdf *bsdf, const 
     const float most = 0.2f; /* of 0.5 a solid body, where it does not help, has a quarter more noise; of this 3 % */
     const BsdfLobe *lobe = &bsdf->lobes[0];
     Aim aim = {.share = 0};
-    if (!(light->pdf_w > 0) || event->kind != EVENT_BOUNDARY || path->is_photon ||
+    if (event->kind != EVENT_BOUNDARY || !(light->pdf_w > 0) || path->is_photon ||
         path->tracer->world->trial.frost_alone || bsdf->n_lobes != 1 || lobe->kind != BSDF_BOUNDARY || 0 ||
         !(lanes_get(lobe->as.boundary.eta_t, 0) > lanes_get(lobe->as.boundary.eta_i, 0)))
         return aim;
@@ -127,10 +126,9 @@ static bool weigh_aimed(const Bsdf *bsdf, const SurfacePlace *place, const Frame
     if (below && local.z < 0) bsdf_evaluate(bsdf, aim->view, mirrored_back(local), &ignored, &aimed);
     Lanes pdf_w = lanes_add(lanes_scale(*own_pdf, 1 - aim->share), lanes_scale(aimed, aim->share));
     float hero = lanes_get(pdf_w, 0);
-    if (!(hero > 0) || lanes_zero(f_cos)) return false;
+    if (!(hero > 0)) return false;
     sample->pdf_w = pdf_w;
     sample->weight = lanes_scale(f_cos, 1 / hero);
-    sample->transmitted = below;
     return true;
 }
 
@@ -225,7 +223,8 @@ static bool scatter(Path *path, Event *event, Bsdf *bsdf, const SurfacePlace *pl
         path->probing.bent |= !bsdf->specular_only;
     else if (UNLIKELY(path_ask_guide(path, &guide, &direction)))
         send_probe(path, &guide, event, bsdf, place, frame, view, direction);
-    LightSample light = {.pdf_w = 0};
+    LightSample light;
+    light.pdf_w = 0;
     if (LIKELY(keen || !path->probing.is_probe)) add_light(path, event, bsdf, place, frame, view, keen, &light);
     const Aim aim = aim_at(path, event, bsdf, place, frame, &light);
     BsdfSample sample;
