@@ -220,12 +220,14 @@ demo: all assets ## render the main example to whisky.exr and whisky.png
 
 # ---- tests ----
 
+CLI_TESTS := $(filter-out tests/cli/run.sh,$(wildcard tests/cli/*.sh))
+
 check: check-program ## run all tests; the last line is "N passed, N failed"
-	@sh tests/run.sh $(BUILD)/meniscus $(UNIT_TESTS) tests/layers.sh tests/cli/run.sh tests/man.sh tests/tour.sh tests/fuzz.sh \
+	@sh tests/run.sh $(BUILD)/meniscus $(CLI_TESTS) $(UNIT_TESTS) tests/layers.sh tests/man.sh tests/tour.sh tests/fuzz.sh \
 	  tests/grammar.sh tests/spec.sh tests/editor.sh tests/random.sh tests/lines.sh tests/render/run.sh $(TRUTH_TESTS)
 
 check-quick: check-program ## the tests without the renders that hold it to physics
-	@sh tests/run.sh $(BUILD)/meniscus $(UNIT_TESTS) tests/layers.sh tests/cli/run.sh tests/man.sh tests/tour.sh tests/fuzz.sh
+	@sh tests/run.sh $(BUILD)/meniscus $(CLI_TESTS) $(UNIT_TESTS) tests/layers.sh tests/man.sh tests/tour.sh tests/fuzz.sh
 
 check-program: $(BUILD)/meniscus $(UNIT_TESTS) $(TRUTH_TESTS) $(FUZZERS:%=$(BUILD)/fuzz/%) assets
 .PHONY: check-quick check-program

@@ -1,10 +1,19 @@
 #!/bin/sh
 # Runs test programs and scripts, shows the figures that they print, and adds up what passed.
 # usage: tests/run.sh MENISCUS PROGRAM... ; a PROGRAM is a cmocka program, or a script that ends with "N passed, N failed"
-# Unit tests run one on each processor, as they have one thread; all others, which have many, one after the other.
+# Unit tests and the parts of the tests of the command line run one on each processor, as most of their work has one thread; all
+# others, which have many, one after the other.
 # The last line is "N passed, N failed"; the exit status is 1 when anything failed.
 # SPDX-License-Identifier: Apache-2.0
 set -u
+
+# script PATH MENISCUS: runs a script of tests; what tests/cli has are parts of one
+script() {
+    case $1 in
+    tests/cli/*) sh tests/cli/run.sh "$2" "$(basename "$1" .sh)" ;;
+    *) sh "$1" "$2" ;;
+    esac
+}
 
 # run_one FOLDER MENISCUS PROGRAM: leaves PATH.log and PATH.counts there, each / of PATH a comma (two folders have programs of one
 # name), and prints the report as a whole
@@ -12,7 +21,7 @@ run_one() {
     name=$(echo "$3" | tr / ,) before=$(date +%s)
     log=$1/$name.log
     case $3 in
-    *.sh) sh "$3" "$2" > "$log" 2>&1; status=$?
+    *.sh) script "$3" "$2" > "$log" 2>&1; status=$?
         passed=$(sed -n 's/^\([0-9]*\) passed, [0-9]* failed$/\1/p' "$log" | tail -1)
         failed=$(sed -n 's/^[0-9]* passed, \([0-9]*\) failed$/\1/p' "$log" | tail -1) ;;
     *) CMOCKA_MESSAGE_OUTPUT=STDOUT "$3" > "$log" 2>&1; status=$?
@@ -46,11 +55,12 @@ meniscus=$1
 shift
 results=$(mktemp -d) || exit 2
 trap 'rm -rf "$results"' EXIT
+side_by_side() { case $1 in */tests/*_test | tests/cli/*.sh) ;; *) false ;; esac; }
 for program in "$@"; do
-    case $program in */tests/*_test) echo "$program" ;; esac
+    ! side_by_side "$program" || echo "$program"
 done | xargs -r -n 1 -P "$(nproc)" sh "$0" --one "$results" "$meniscus"
 for program in "$@"; do
-    case $program in */tests/*_test) ;; *) run_one "$results" "$meniscus" "$program" ;; esac
+    side_by_side "$program" || run_one "$results" "$meniscus" "$program"
 done
 n_passed=0 n_failed=0 n_programs=0
 for counts in "$results"/*.counts; do
