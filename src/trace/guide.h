@@ -44,10 +44,11 @@ typedef struct GuideCell {
     Vec3f low, high;              /* around its photons, and a little more */
     uint32_t first_four, n_lobes; /* of its lobes, which lie in fours */
     float share, looks;           /* how often to send a probe: by what is scattered there, and by looks along paths */
-    float radiance;               /* of a white surface in the light that the photons bring */
-    float scattered;              /* what media scatter of that, of a volume: */
-    float color, color_spread;    /* of what colour it is, in the mean, and the standard deviation of that */
-    uint32_t parts_colors;        /* 1: it comes from other places by other colours */
+    float keenness;            /* how dense its directions are where other photons than those of its lobes come from */
+    float radiance;            /* of a white surface in the light that the photons bring */
+    float scattered;           /* what media scatter of that, of a volume: */
+    float color, color_spread; /* of what colour it is, in the mean, and the standard deviation of that */
+    uint32_t parts_colors;     /* 1: it comes from other places by other colours */
 } GuideCell;
 
 typedef struct Guide Guide;

@@ -238,6 +238,32 @@ static void fit_cell(void *context, uint32_t i, unsigned worker)
     fit_lobes(b, i, &(GuidePhotons){.photons = photons, .n = n, .origin = guide_cell_origin(cell)});
 }
 
+static float cell_pdf(const Guide *guide, const GuideCell *cell, const Photon *photon)
+{
+    GuidePlace place = {vec3f_along(photon->position, -1, guide_cell_origin(cell)), photon->color};
+    return guide_lobes_pdf(guide->fours + cell->first_four, cell->n_lobes, place, photon->from);
+}
+
+/* How well the lobes foresee other photons: the geometric mean of what they say of the directions of those that are on surfaces. Where
+ * light comes from rough glass, what each photon says of its neighbourhood is true of one way through the facets only, and others
+ * come in other directions. */
+static void find_keenness(void *context, uint32_t i, unsigned worker)
+{
+    enum { MOST = 32 };
+    (void)worker;
+    const Builder *b = context;
+    GuideCell *cell = &b->guide->cells[i];
+    double sum = 0;
+    uint32_t n = 0;
+    for (uint32_t k = b->guide->begins[i]; k < b->guide->begins[i + 1] && n < MOST; k++) {
+        const Photon *photon = &b->photons[k];
+        if (photon->lobe || vec3f_dot(photon->normal, photon->normal) == 0) continue;
+        sum += log((double)cell_pdf(b->guide, cell, photon));
+        n++;
+    }
+    cell->keenness = n > 0 ? (float)exp(sum / n) : 0;
+}
+
 /* Moves the cells' lobes together. */
 static void gather_lobes(Builder *b)
 {
@@ -267,6 +293,7 @@ Status guide_build(Photon *photons, uint32_t n, uint32_t followed, Pool *pool, G
     if (status == STATUS_OK) {
         pool_run(pool, guide->n_cells, fit_cell, &b);
         gather_lobes(&b);
+        pool_run(pool, guide->n_cells, find_keenness, &b);
         guide_shares_are_set(guide);
         status = guide_set_boxes(guide, error);
     }
@@ -287,12 +314,6 @@ static float surface_pdf(const Photon *photon)
 {
     if (vec3f_dot(photon->normal, photon->normal) == 0) return 1 / (4 * SAMPLING_PI);
     return float_max(vec3f_dot(photon->normal, photon->from), 0.01f) / SAMPLING_PI;
-}
-
-static float cell_pdf(const Guide *guide, const GuideCell *cell, const Photon *photon)
-{
-    GuidePlace place = {vec3f_along(photon->position, -1, guide_cell_origin(cell)), photon->color};
-    return guide_lobes_pdf(guide->fours + cell->first_four, cell->n_lobes, place, photon->from);
 }
 
 float guide_sample_of(const Guide *guide, uint32_t cell, float share, const Photon *photon)

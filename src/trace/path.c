@@ -77,11 +77,13 @@ void tracers_free(Tracer *tracers, unsigned n)
     free(tracers);
 }
 
-/* Ends paths that carry little. The decision uses what is the same whichever lane is the hero. */
+/* Ends paths that carry little. The decision uses what is the same whichever lane is the hero. Directions that were chosen because a
+ * bright light is there carry little, as they are chosen often: left to chance, one in a thousand would be a thousand times too bright. */
 static bool survives(Path *path)
 {
     if (lanes_zero(path->beta)) return false;
-    float carried = float_max(lanes_max(path->beta) * 0.25f, lanes_mean(path->beta)) / lanes_mean(path->ratio);
+    float carried =
+        path->sought * float_max(lanes_max(path->beta) * 0.25f, lanes_mean(path->beta)) / lanes_mean(path->ratio);
     bool long_way = path->n_counted > LONG_WAY && path->tracer->world->max_bounces == SCENE_BOUNCES_BY_CHANCE;
     float below = path->tracer->world->trial.roulette_below;
     if (LIKELY(below == 0)) below = ROULETTE_BELOW;

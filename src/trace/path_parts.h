@@ -68,6 +68,7 @@ typedef struct Path {
     Vec3f scatter_normal;               /* the surface's there, if it scatters to its one side only; else zero */
     const LightChoices *scatter_lights; /* what was looked for there */
     float scatter_pdf; /* density of that per steradian; < 0: not sampled from a density (camera, boundary) */
+    float sought;      /* how much denser directions such as that were chosen than by the surface alone; >= 1 */
     Decision decision; /* at the next boundary */
     uint32_t bounce;   /* events so far: each has random numbers of its own */
     float cone_width,
@@ -103,6 +104,7 @@ static inline void path_init(Path *path, Tracer *tracer, Sampler sampler)
     path->sampler = sampler;
     path->beta = path->ratio = lanes_all(1);
     path->scatter_pdf = -1;
+    path->sought = 1;
     path->scatter_lights = world_lights(tracer->world);
     path->probing.guide.share = 0;
     path->index_lane = -1;

@@ -47,6 +47,7 @@ void path_send_probe(Path *path, const GuideAt *guide, Event *event, const Surfa
 static inline void path_leave_guide(Path *path, const GuideAt *guide, Vec3f direction, float pdf_w)
 {
     path->decision = (Decision){.left = 0};
+    path->sought = 1;
     if (path->probing.is_probe) return;
     path->probing.guide.share = guide->share;
     if (UNLIKELY(guide->share > 0))

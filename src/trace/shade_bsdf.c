@@ -85,29 +85,68 @@ static void add_light(Path *path, Event *event, const Bsdf *bsdf, const SurfaceP
  * there is known here, if the far boundary is taken to be parallel to this one and as rough: those in which light from there would
  * be sent on by this one, all being mirrored at its tangent plane. For the light that was looked at here, whichever that is, a part
  * of the directions are chosen so, and the others as ever. Each counts by the density of both together, which holds wherever the
- * boundaries are; where they are otherwise, there is no gain. */
+ * boundaries are; where they are otherwise, there is no gain.
+ *
+ * Photons land on frosted glass, too, and where they do the guide knows in which directions the light is. Probes that pass it take
+ * up to half of their directions from there, as they look for such light alone; paths whose probes look through it up to half as many
+ * as the guide sends probes there, for they look for all else, too; and both the fewer, the less keen the guide is than the frost.
+ * Of the whole picture of a small lamp in a globe above a floor the squared error is 0.16 to 0.29 of what it is without, after as
+ * many samples and in 1 to 1.2 times the time, where the globe is frosted outside by 0.2 to 0.4; where it is on both sides, the same
+ * at 0.1, and 0.63 at 0.2 and 0.35. Of a solid ball and block it is the same, where half of those paths' directions would make it
+ * twice that, as half of the probes' would where globes are frosted on both sides by 0.1. */
 typedef struct Aim {
-    Vec3f view;  /* towards the light, mirrored, in the local frame */
-    float share; /* how often directions are chosen by it */
+    Vec3f view;    /* towards the light, mirrored, in the local frame; */
+    float share;   /* how often directions are chosen by it, */
+    GuideAt guide; /* and by this, its share */
 } Aim;
 
-static Aim aim_at(const Path *path, const Event *event, const Bsdf *bsdf, const SurfacePlace *place, const Frame *frame,
-                  const LightSample *light)
+static float aimed_share(const Aim *aim)
+{
+    return aim->share + aim->guide.share;
+}
+
+/* About that which the lobe of a rough boundary fills. */
+static float solid_angle(const Bsdf *bsdf)
+{
+    const BsdfFacets *facets = &bsdf->lobes[0].as.boundary.facets;
+    return (float)MEN_PI * facets->alpha_x * facets->alpha_y;
+}
+
+static void aim_at_light(const Bsdf *bsdf, const SurfacePlace *place, const Frame *frame, const LightSample *light,
+                         Aim *aim)
 {
     const float most = 0.2f; /* of 0.5 a solid body, where it does not help, has a quarter more noise; of this 3 % */
     const BsdfLobe *lobe = &bsdf->lobes[0];
-    Aim aim = {.share = 0};
-    if (event->kind != EVENT_BOUNDARY || !(light->pdf_w > 0) || path->is_photon ||
-        path->tracer->world->trial.frost_alone || bsdf->n_lobes != 1 || lobe->kind != BSDF_BOUNDARY || 0 ||
-        !(lanes_get(lobe->as.boundary.eta_t, 0) > lanes_get(lobe->as.boundary.eta_i, 0)))
-        return aim;
+    if (!(light->pdf_w > 0) || !(lanes_get(lobe->as.boundary.eta_t, 0) > lanes_get(lobe->as.boundary.eta_i, 0))) return;
     Vec3f local = to_local(frame, light->direction);
-    if (!(local.z < 0) || !(vec3f_dot(light->direction, place->geometric) < 0)) return aim;
-    const BsdfFacets *facets = &lobe->as.boundary.facets;
-    float spread = (float)MEN_PI * facets->alpha_x * facets->alpha_y; /* about the solid angle that a lobe fills */
-    aim.view = vec3f(local.x, local.y, -local.z);
-    aim.share = light->delta ? most : most * light->pdf_w * spread / (1 + light->pdf_w * spread);
-    return aim;
+    if (!(local.z < 0) || !(vec3f_dot(light->direction, place->geometric) < 0)) return;
+    float spread = solid_angle(bsdf);
+    aim->view = vec3f(local.x, local.y, -local.z);
+    aim->share = light->delta ? most : most * light->pdf_w * spread / (1 + light->pdf_w * spread);
+}
+
+static void aim_by_guide(Path *path, const Bsdf *bsdf, const SurfacePlace *place, Aim *aim)
+{
+    const float most = 0.5f;
+    const Guide *guide = path->tracer->world->guide;
+    if (LIKELY(!guide) || !(path->probing.is_probe || path->probing.guide.share > 0)) return;
+    GuideAt at = guide_find(guide, place->position, path->color);
+    if (!(at.share > 0)) return;
+    float keener = at.cell->keenness * solid_angle(bsdf);
+    aim->guide = at;
+    aim->guide.share = most * (path->probing.is_probe ? 1 : at.share) * keener / (1 + keener);
+    path_is_guided(path, &at);
+}
+
+/* keen: see is_keen. */
+static void take_aim(Path *path, const Event *event, const Bsdf *bsdf, const SurfacePlace *place, const Frame *frame,
+                     bool keen, const LightSample *light, Aim *aim)
+{
+    aim->share = aim->guide.share = 0;
+    bool plain = event->kind == EVENT_BOUNDARY && bsdf->n_lobes == 1 && bsdf->lobes[0].kind == BSDF_BOUNDARY;
+    if (!plain || path->is_photon || path->tracer->world->trial.frost_alone) return;
+    aim_at_light(bsdf, place, frame, light, aim);
+    if (keen && !bsdf->specular_only) aim_by_guide(path, bsdf, place, aim);
 }
 
 static Vec3f mirrored_back(Vec3f v)
@@ -115,7 +154,7 @@ static Vec3f mirrored_back(Vec3f v)
     return vec3f(-v.x, -v.y, v.z);
 }
 
-/* The density of bsdf_sample becomes that of both techniques; false: the direction leads nowhere. */
+/* The density of bsdf_sample becomes that of all techniques; false: the direction leads nowhere. */
 static bool weigh_aimed(const Bsdf *bsdf, const SurfacePlace *place, const Frame *frame, Vec3f view, const Aim *aim,
                         Vec3f direction, BsdfSample *sample, Lanes *own_pdf)
 {
@@ -123,8 +162,9 @@ static bool weigh_aimed(const Bsdf *bsdf, const SurfacePlace *place, const Frame
     Vec3f local = to_local(frame, direction);
     bool below = vec3f_dot(direction, place->geometric) < 0;
     evaluate(bsdf, place, frame, view, direction, &f_cos, own_pdf);
-    if (below && local.z < 0) bsdf_evaluate(bsdf, aim->view, mirrored_back(local), &ignored, &aimed);
-    Lanes pdf_w = lanes_add(lanes_scale(*own_pdf, 1 - aim->share), lanes_scale(aimed, aim->share));
+    if (aim->share > 0 && below && local.z < 0) bsdf_evaluate(bsdf, aim->view, mirrored_back(local), &ignored, &aimed);
+    Lanes pdf_w = lanes_add(lanes_scale(*own_pdf, 1 - aimed_share(aim)), lanes_scale(aimed, aim->share));
+    if (aim->guide.share > 0) pdf_w = lanes_add(pdf_w, lanes_all(aim->guide.share * guide_pdf(&aim->guide, direction)));
     float hero = lanes_get(pdf_w, 0);
     if (!(hero > 0)) return false;
     sample->pdf_w = pdf_w;
@@ -195,8 +235,12 @@ static bool choose_direction(Path *path, const Bsdf *bsdf, const SurfacePlace *p
         if (!bsdf_sample(bsdf, aim->view, choice / aim->share, u, sample) || !sample->transmitted) return false;
         *direction = vec3f_normalize(from_local(frame, mirrored_back(sample->direction)));
         if (!(vec3f_dot(*direction, place->geometric) < 0)) return false;
+    } else if (UNLIKELY(choice < aimed_share(aim))) {
+        *direction = guide_sample(&aim->guide, (choice - aim->share) / aim->guide.share, u);
+        sample->specular = false;
+        sample->transmitted = vec3f_dot(*direction, place->geometric) < 0;
     } else {
-        choice = float_min((choice - aim->share) / (1 - aim->share), 0x1.fffffep-1f);
+        choice = float_min((choice - aimed_share(aim)) / (1 - aimed_share(aim)), 0x1.fffffep-1f);
         if (!bsdf_sample(bsdf, view, choice, u, sample)) return false;
         *direction = vec3f_normalize(from_local(frame, sample->direction));
         /* which side the new ray is on is the geometry's to say */
@@ -205,7 +249,7 @@ static bool choose_direction(Path *path, const Bsdf *bsdf, const SurfacePlace *p
     }
     *own_pdf = sample->pdf_w;
     if (sample->specular) return true;
-    if (UNLIKELY(aim->share > 0)) return weigh_aimed(bsdf, place, frame, view, aim, *direction, sample, own_pdf);
+    if (UNLIKELY(aimed_share(aim) > 0)) return weigh_aimed(bsdf, place, frame, view, aim, *direction, sample, own_pdf);
     if (path_is_bent(place)) {
         Lanes f_cos;
         evaluate(bsdf, place, frame, view, *direction, &f_cos, own_pdf);
@@ -226,7 +270,8 @@ static bool scatter(Path *path, Event *event, Bsdf *bsdf, const SurfacePlace *pl
     LightSample light;
     light.pdf_w = 0;
     if (LIKELY(keen || !path->probing.is_probe)) add_light(path, event, bsdf, place, frame, view, keen, &light);
-    const Aim aim = aim_at(path, event, bsdf, place, frame, &light);
+    Aim aim;
+    take_aim(path, event, bsdf, place, frame, keen, &light, &aim);
     BsdfSample sample;
     Lanes pdf_w;
     if (!choose_direction(path, bsdf, place, frame, view, &aim, &sample, &direction, &pdf_w) ||
@@ -249,6 +294,9 @@ static bool scatter(Path *path, Event *event, Bsdf *bsdf, const SurfacePlace *pl
             path->probing.bent = true;
         else
             path_leave_guide(path, &guide, direction, path->scatter_pdf);
+        path->sought = 1;
+        if (UNLIKELY(aimed_share(&aim) > 0) && path->scatter_pdf > 0)
+            path->sought = float_max(path_mean_density(path, sample.pdf_w) / path->scatter_pdf, 1);
     }
     path->beta = lanes_mul(path->beta, sample.weight);
     path->ratio = lanes_mul(path->ratio, lanes_scale(sample.pdf_w, 1 / hero));

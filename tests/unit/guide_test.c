@@ -427,6 +427,47 @@ static void levels(void **state)
     free(photons);
 }
 
+/* How keen cells are is what their lobes say of photons that they are not made of: much where all light comes out of one narrow cone, as
+ * 1 / its solid angle; no more than an even sky's where each photon comes from anywhere, however sure it is of itself; nothing where
+ * there are no others. */
+static void keenness(void **state)
+{
+    (void)state;
+    enum { N = 512, KNOWN_PART = 16 };
+    const float spread = 1e-4f, cone = 2 * SAMPLING_PI * spread;
+    const struct {
+        bool narrow, others;
+        float least, most; /* per steradian */
+    } cases[] = {{true, true, .1f / cone, 1 / cone}, {false, true, 0, 1}, {true, false, 0, 0}};
+    Pool *pool;
+    Error error;
+    assert_int_equal(pool_new(1, &pool, &error), STATUS_OK);
+    for (size_t c = 0; c < COUNT_OF(cases); c++) {
+        Photon photons[N];
+        for (uint32_t i = 0; i < N; i++) {
+            float wide = sqrtf(-2 * spread * logf(1 - dice())), around = 2 * SAMPLING_PI * dice();
+            Vec3f near_up = vec3f_normalize(vec3f(wide * cosf(around), 1, wide * sinf(around))),
+                  any = sampling_sphere(dice(), dice());
+            photons[i] = (Photon){.position = {dice(), 0, dice()},
+                                  .from = cases[c].narrow ? near_up : any,
+                                  .normal = vec3f(0, 1, 0),
+                                  .flux = 1,
+                                  .spread = {spread, 0, spread},
+                                  .number = i,
+                                  .lobe = !cases[c].others || i % KNOWN_PART == 0};
+        }
+        Guide *guide;
+        assert_int_equal(guide_build(photons, N, N, pool, &guide, &error), STATUS_OK);
+        double mean = 0;
+        for (uint32_t i = 0; i < guide->n_cells; i++) mean += (double)guide->cells[i].keenness / guide->n_cells;
+        printf("    %-8s %-12s keenness %.4g, an even cone %.4g\n", cases[c].narrow ? "a cone," : "a sky,",
+               cases[c].others ? "many photons" : "known alone", mean, (double)(1 / cone));
+        assert_true(mean >= (double)cases[c].least && mean <= (double)cases[c].most);
+        guide_free(guide);
+    }
+    pool_free(pool);
+}
+
 /* A scene whose photons are followed. */
 typedef struct Lit {
     Fixture scene;
@@ -742,8 +783,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(densities), cmocka_unit_test(sheets), cmocka_unit_test(folds),    cmocka_unit_test(doubts),
         cmocka_unit_test(corners),   cmocka_unit_test(sides),  cmocka_unit_test(borrowed), cmocka_unit_test(missed),
-        cmocka_unit_test(levels),    cmocka_unit_test(flux),   cmocka_unit_test(bulbs),    cmocka_unit_test(lenses),
-        cmocka_unit_test(hues),      cmocka_unit_test(beams),  cmocka_unit_test(walks),    cmocka_unit_test(tiles),
+        cmocka_unit_test(keenness),  cmocka_unit_test(levels), cmocka_unit_test(flux),     cmocka_unit_test(bulbs),
+        cmocka_unit_test(lenses),    cmocka_unit_test(hues),   cmocka_unit_test(beams),    cmocka_unit_test(walks),
+        cmocka_unit_test(tiles),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
