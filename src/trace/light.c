@@ -257,6 +257,13 @@ void light_sample_emitter(const World *world, uint32_t emitter, const LightQuery
     sample->choice = 1;
 }
 
+uint32_t light_sample_object(const World *world, const LightSample *sample)
+{
+    if (sample->object != RTC_NO_OBJECT || sample->emitter == EMITTER_NONE) return sample->object;
+    const Emitter *emitter = &world->emitters.emitters[sample->emitter];
+    return emitter->kind == EMITTER_PIECE ? emitter->of : RTC_NO_OBJECT;
+}
+
 double light_send_extent(const World *world, uint32_t emitter)
 {
     const Emitter *e = &world->emitters.emitters[emitter];

@@ -56,6 +56,9 @@ void light_sample(const World *world, const LightChoices *choices, LightQuery *q
 void light_sample_choice(const World *world, const LightChoice *chosen, LightQuery *query, LightSample *sample);
 /* The same with an emitter of world->emitters; pdf_w is then without its choice, and so is choice. The normal does not matter. */
 void light_sample_emitter(const World *world, uint32_t emitter, const LightQuery *query, LightSample *sample);
+/* The object that the sampled place is on; RTC_NO_OBJECT: on none. It is sample->object but for what may stand in its own light, as
+ * a ring does, and which rays are therefore not aimed at. */
+uint32_t light_sample_object(const World *world, const LightSample *sample);
 /* Of an emitter that is flat and shines into a cone: area times projected solid angle of what it shines into, as if it were as
  * bright to all of that; one that moves as it is at rest. 0 of others. */
 double light_send_extent(const World *world, uint32_t emitter);

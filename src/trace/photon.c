@@ -142,14 +142,16 @@ static bool find_column(Job *job, Tracer *tracer, const PhotonStart *start, doub
 static void look_at_light(const Path *path, const PhotonStart *start, double mean[2], double spread[3])
 {
     const LightSample *light = &start->light;
+    const World *world = path->tracer->world;
+    const uint32_t object = light_sample_object(world, light);
     double n = 0, p[2], sums[5] = {0};
     for (uint32_t i = 0; i < LOOKS; i++) {
         Path look = *path;
         look.sampler = sampler_make_alone(path->sampler.pixel, PHOTON_PIXEL_X, path->sampler.index_reversed, i);
         LightSample other;
         photon_choose_light(&look, start, start->point, vec3f(0, 0, 0), &other);
-        if (!(other.pdf_w > 0) || other.delta || other.object != light->object || other.glow != light->glow ||
-            vec3f_dot(other.direction, light->direction) < 0.9f ||
+        if (!(other.pdf_w > 0) || other.delta || light_sample_object(world, &other) != object ||
+            other.glow != light->glow || vec3f_dot(other.direction, light->direction) < 0.9f ||
             lanes_mean(other.radiance) < 0.25f * lanes_mean(light->radiance))
             continue;
         in_plane(light->direction, other.direction, p);
@@ -228,6 +230,7 @@ static bool find_neighbour(Job *job, Path *path, const PhotonStart *start, int a
 {
     const double range = 0.1; /* of the target's size: how far the first order is taken to hold */
     const double steps[] = {1, -1, 1.0 / 16, -1.0 / 16};
+    const World *world = job->world;
     Vec3f tangent[2];
     for (size_t i = 0; i < COUNT_OF(steps); i++) {
         PhotonStart other = *start;
@@ -236,7 +239,8 @@ static bool find_neighbour(Job *job, Path *path, const PhotonStart *start, int a
             sampling_basis(vec3f_from(start->normal), &tangent[0], &tangent[1]);
             other.point = vec3_along(start->point, by * start->size, vec3_from_f(tangent[axis]));
             photon_choose_light(path, start, other.point, vec3f(0, 0, 0), &other.light);
-            if (other.light.object != start->light.object || other.light.glow != start->light.glow ||
+            if (light_sample_object(world, &other.light) != light_sample_object(world, &start->light) ||
+                other.light.glow != start->light.glow ||
                 vec3f_dot(other.light.direction, start->light.direction) < 0.98f)
                 continue;
             unit = range;

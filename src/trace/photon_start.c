@@ -227,8 +227,9 @@ bool photon_leave_light(Path *path, const PhotonStart *start)
         look.time = path->ray.time;
         look.t_max = start->light.distance * (1 + 1e-4);
         if (!rtc_all(compiled->rtc, &look, false, &tracer->left)) return false;
+        const uint32_t object = light_sample_object(tracer->world, &start->light);
         size_t i = 0, one = 1;
-        while (i < tracer->left.n && tracer->left.items[i].object != start->light.object) i++;
+        while (i < tracer->left.n && tracer->left.items[i].object != object) i++;
         if (i == tracer->left.n) return false;
         double time = path->ray.time, distance = tracer->left.items[i].t;
         rtc_leave(compiled->rtc, &look, &tracer->left.items[i], &one, false, travel, &path->ray);

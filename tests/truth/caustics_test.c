@@ -110,6 +110,22 @@ static const struct {
            "light { shape = \"sphere\"  from = <0, 60, 0>  radius = 3  radiance = 90 }\n"
            "camera { from = <0, 60, 300>  to = <9, 60, 0>  fov = .001deg }\n",
      500, 8000},
+    /* lamps that are surfaces of shapes, of which a ring stands in its own light */
+    {"a floor under a bulb, with a rod in it that glows",
+     MEDIA "surface hot { emission = 1  radiance = 400 } ground { surface = surface { albedo = .5 } }\n"
+           "environment { color = .05 }\n"
+           "ellipsoid { interior = glass  radii = <14, 30, 14>  translate(<0, 50, 0>) }\n"
+           "ellipsoid { interior = air  radii = <13, 29, 13>  translate(<0, 50, 0>) }\n"
+           "capsule { from = <0, 40, 0>  to = <0, 60, 0>  radius = 1  surface = hot }\n"
+           "camera { from = <-150, 100, 50>  to = <-32, 0, 0>  fov = .001deg }\n",
+     500, 6000},
+    {"a floor under a ball of glass and a ring that glows",
+     MEDIA "surface hot { emission = 1  radiance = 100 } ground { surface = surface { albedo = .5 } }\n"
+           "environment { color = .05 }\n"
+           "sphere { interior = glass  center = <0, 20, 0>  radius = 15 }\n"
+           "torus { radius = 12  tube = 1.5  surface = hot  rotate(x, 20)  translate(<0, 70, 0>) }\n"
+           "camera { from = <-150, 100, 50>  to = <-4, 0, 0>  fov = .001deg }\n",
+     500, 6000},
     {"a table with a coat, seen through a glass with a drink in it",
      MEDIA "ground { surface = surface { albedo = .6  ior = 1.5  roughness = .1 } } environment { color = .05 }\n"
            "cylinder { interior = glass  from = <0, .5, 0>  to = <0, 40, 0>  radius = 15 }\n"
