@@ -164,9 +164,12 @@ static void remark_indifferent(Remarks *r)
         if ((!suspect[h] && !clear) || is_one_of_many(r, h)) continue;
         if (report_look_at(compiled, &r->probe, h, n_lines) != REPORT_INDIFFERENT || !tally_next(&tally)) continue;
         const SceneObject *object = report_object(compiled, h);
-        Diagnostic *report = diag_report(r->diag, D_INVISIBLE_OBJECT, object->span,
-                                         "nothing would change without %s: it is of %s, and so is all that it is in",
-                                         object->name, medium->name);
+        bool other = !suspect[h] && compiled->hulls[h].medium != NEST_WORLD_MEDIUM; /* and looks the same */
+        Diagnostic *report =
+            diag_report(r->diag, D_INVISIBLE_OBJECT, object->span,
+                        "nothing would change without %s: it is of %s%s%s, and so %s all that it is in", object->name,
+                        medium->name, other ? ", which looks like " : "",
+                        other ? r->scene->media[NEST_WORLD_MEDIUM].name : "", other ? "does" : "is");
         hint_at_cut(r, report, h);
     }
     tally_end(r, &tally);

@@ -14,17 +14,18 @@ static Vec3 extent_of(const CompiledScene *compiled, uint32_t object)
 }
 
 /* A gap that is thin for things of that size, or that keeps a liquid from what holds it, is seldom meant. Two panes
- * with a little room between them are, and what is beside an edge or around a place where solids stand on each other. */
+ * with a little room between them are, and what is beside an edge or around a place where solids stand on each other. What
+ * mixes has no boundary that a gap could be seen by. */
 static bool is_mistake(const CompiledScene *compiled, const HullPair *pair)
 {
     const double thin = 0.02;
+    const NestHull *first = &compiled->hulls[compiled->hull_of_object[pair->a]],
+                   *second = &compiled->hulls[compiled->hull_of_object[pair->b]];
     Vec3 a = extent_of(compiled, pair->a), b = extent_of(compiled, pair->b);
-    if (!isfinite(pair->gap)) return false;
+    if (!isfinite(pair->gap) || first->mixes || second->mixes) return false;
     if (!pair->wedge && pair->gap <= thin * fmin(fmin(a.x, fmin(a.y, a.z)), fmin(b.x, fmin(b.y, b.z)))) return true;
-    NestState states[2] = {compiled->hulls[compiled->hull_of_object[pair->a]].state,
-                           compiled->hulls[compiled->hull_of_object[pair->b]].state};
-    return (states[0] == NEST_LIQUID && states[1] == NEST_SOLID) ||
-           (states[0] == NEST_SOLID && states[1] == NEST_LIQUID);
+    return (first->state == NEST_LIQUID && second->state == NEST_SOLID) ||
+           (first->state == NEST_SOLID && second->state == NEST_LIQUID);
 }
 
 /* By how much to let two objects overlap: a thousandth of the smaller one's size or the gap itself, whichever is more,

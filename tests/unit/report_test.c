@@ -247,6 +247,10 @@ static void remarks_tell_what_is_worth_a_look(void **state)
          "nothing would change without b: it is of glass, and so is all that it is in"},
         {GLASS "sphere a { interior = glass } box b { interior = air size = <1, 1, 1> translate(<9, 0, 0>) }" VIEW,
          D_INVISIBLE_OBJECT, "nothing would change without b: it is of air, and so is all that it is in"},
+        {GLASS "medium argon { ior = 1  state = gas } sphere a { interior = glass } "
+               "box b { interior = argon size = <1, 1, 1> translate(<9, 0, 0>) }" VIEW,
+         D_INVISIBLE_OBJECT,
+         "nothing would change without b: it is of argon, which looks like air, and so does all that it is in"},
         {GLASS "box a { surface = surface { } size = <9, 9, 9> } sphere b { interior = glass }" VIEW, D_ENCLOSED_OBJECT,
          "b is wholly inside of a, which is opaque: nothing of it is seen"},
         {GLASS "ground floor { } sphere b { interior = glass center = <0, -2, 0> }"
@@ -481,11 +485,12 @@ static void cameras_see_what_they_are_in(void **state)
 static void wide_gaps_are_mistakes_of_liquids_only(void **state)
 {
     (void)state;
-    static const char *const interiors[] = {"water", "glass"};
-    for (int i = 0; i < 2; i++) {
+    static const char *const interiors[] = {"water", "glass", "ink"};
+    for (int i = 0; i < (int)COUNT_OF(interiors); i++) {
         char scene[1000];
         snprintf(scene, sizeof scene,
-                 FIXTURE_MEDIA "box pane { interior = glass from = <-50, -3, -50> to = <50, 0, 50> } "
+                 FIXTURE_MEDIA "medium ink { mixes = true  absorption = 1  state = liquid } "
+                               "box pane { interior = glass from = <-50, -3, -50> to = <50, 0, 50> } "
                                "box other { interior = %s from = <-50, 1, -50> to = <50, 4, 50> }" FIXTURE_VIEW,
                  interiors[i]);
         Fixture f;
