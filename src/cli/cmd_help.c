@@ -254,6 +254,7 @@ static Status explain(const char *topic, Buf *out, Error *error)
     explain_word(topic, out);
     if (out->length == 0) explain_subject(topic, out);
     if (out->length == 0) explain_library_file(topic, out);
+    library_print_named(topic, out);
     return out->length ? STATUS_OK : refuse_topic(topic, error);
 }
 

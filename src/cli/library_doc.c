@@ -68,19 +68,29 @@ static void read_signature(const char *at, Buf *out)
     }
 }
 
-static void read_declaration(const char *line, const Buf *doc, DocPrinter *print, Buf *out)
+/* Whether a signature, as tumbler(radius = 38mm), is of that name. */
+static bool is_of_name(const char *signature, const char *name)
+{
+    size_t length = strcspn(signature, "(");
+    return strlen(name) == length && strncmp(signature, name, length) == 0;
+}
+
+/* wanted: the name of the only one that is printed; NULL: any. */
+static void read_declaration(const char *line, const Buf *doc, const char *wanted, DocPrinter *print, Buf *out)
 {
     static const char *const words[] = {"medium ", "def ", "let "};
     for (size_t i = 0; i < COUNT_OF(words); i++) {
         if (strncmp(line, words[i], strlen(words[i])) != 0) continue;
         Buf signature = {0};
         read_signature(line + strlen(words[i]), &signature);
-        if (signature.length > 0) print(DOC_ENTRY, buf_text(&signature), doc->length > 0 ? doc->text : "", out);
+        if (signature.length > 0 && (!wanted || is_of_name(buf_text(&signature), wanted)))
+            print(DOC_ENTRY, buf_text(&signature), doc->length > 0 ? doc->text : "", out);
         buf_clear(&signature);
     }
 }
 
-static void read_library(const EvalLibraryFile *file, DocPrinter *print, Buf *out)
+/* wanted: the name of the only entry that is printed, and nothing beside it; NULL: all. */
+static void read_library(const EvalLibraryFile *file, const char *wanted, DocPrinter *print, Buf *out)
 {
     static const char heading[] = "// ---- ";
     Buf doc = {0};
@@ -90,13 +100,13 @@ static void read_library(const EvalLibraryFile *file, DocPrinter *print, Buf *ou
         if (strncmp(line, heading, sizeof heading - 1) == 0) {
             buf_clear(&doc);
             buf_add_bytes(&doc, line + sizeof heading - 1, length - (sizeof heading - 1) - strlen(" ----"));
-            print(DOC_HEADING, NULL, buf_text(&doc), out);
+            if (!wanted) print(DOC_HEADING, NULL, buf_text(&doc), out);
             buf_clear(&doc);
         } else if (strncmp(line, "//", 2) == 0) {
             add_comment(&doc, line + 2, length - 2);
         } else {
-            if (length > 0) read_declaration(line, &doc, print, out);
-            if (length == 0 && doc.length > 0 && !head) {
+            if (length > 0) read_declaration(line, &doc, wanted, print, out);
+            if (length == 0 && doc.length > 0 && !head && !wanted) {
                 print(DOC_HEAD, file->name, doc.text, out);
                 head = true;
             }
@@ -174,18 +184,46 @@ void library_print_overview(Buf *out)
 {
     buf_add(out, "The standard library is built into the program; a scene takes what it needs:\n\n"
                  "  use \"std/glassware.mns\" as glassware\n  glassware.tumbler { radius = 40mm }\n\n");
-    for (size_t i = 0; i < std_library.n_files; i++) read_library(&std_library.files[i], print_summary, out);
+    for (size_t i = 0; i < std_library.n_files; i++) read_library(&std_library.files[i], NULL, print_summary, out);
     buf_add(out, "\n'meniscus help std/glassware' explains one, 'meniscus help std/glassware.mns' prints its text.\n"
                  "Manual: meniscus-std(7)\n");
 }
 
 void library_print_file(const EvalLibraryFile *file, Buf *out)
 {
-    read_library(file, print_plain, out);
+    read_library(file, NULL, print_plain, out);
     buf_add(out, "\nManual: meniscus-std(7)\n");
+}
+
+/* The name of an entry in a file, as acrylic or media.acrylic; NULL: that of another file. */
+static const char *name_within(const EvalLibraryFile *file, const char *topic)
+{
+    const char *stem = strchr(file->name, '/') + 1, *dot = strchr(topic, '.');
+    if (!dot) return topic;
+    return strcspn(stem, ".") == (size_t)(dot - topic) && strncmp(stem, topic, (size_t)(dot - topic)) == 0 ? dot + 1
+                                                                                                           : NULL;
+}
+
+void library_print_named(const char *topic, Buf *out)
+{
+    Buf found = {0};
+    for (size_t i = 0; i < std_library.n_files; i++) {
+        const EvalLibraryFile *file = &std_library.files[i];
+        const char *name = name_within(file, topic);
+        size_t before = found.length;
+        if (name) read_library(file, name, print_plain, &found);
+        if (found.length == before) continue;
+        buf_add(&found, "\n  ");
+        print_use(file->name, &found);
+        buf_add(&found, "\n\n");
+    }
+    if (found.length > 0)
+        buf_format(out, "%sIn the standard library:\n\n%sManual: meniscus-std(7)\n", out->length ? "\n" : "",
+                   buf_text(&found));
+    buf_clear(&found);
 }
 
 void library_print_manual(Buf *out)
 {
-    for (size_t i = 0; i < std_library.n_files; i++) read_library(&std_library.files[i], print_mdoc, out);
+    for (size_t i = 0; i < std_library.n_files; i++) read_library(&std_library.files[i], NULL, print_mdoc, out);
 }

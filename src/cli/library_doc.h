@@ -11,6 +11,8 @@ const EvalLibraryFile *library_named(const char *topic);
 /* As plain text: the list of all texts, and what one of them has. */
 void library_print_overview(Buf *out);
 void library_print_file(const EvalLibraryFile *file, Buf *out);
+/* What texts have under a name, as acrylic or media.acrylic; nothing where none has it. */
+void library_print_named(const char *topic, Buf *out);
 /* All of them in the language of manual pages. */
 void library_print_manual(Buf *out);
 

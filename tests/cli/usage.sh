@@ -86,7 +86,6 @@ for topic in polarizer polarisation; do
     exits 0
     says out 'There is no filter that polarizes'
 done
-refuses "use \"std/media.mns\" as media" help milk
 run help thin_film
 exits 0
 says out 'film = 400nm'
@@ -110,6 +109,19 @@ fire emission = blackbody(
 engraving difference {
 cracks interior = air
 frost roughness = .3
+glazing thin = true
+low-e metal = silver
+reeded_glass curve = natural
+glass_block isosurface {
+neon lights.illuminant_f2()
+dusk sky = clear
+snow phase = hg(.85)
+tiles bond = 0
+pool function = waves
+milk use "std/media.mns" as media
+media.acrylic Acrylic glass, PMMA
+wine_glass use "std/glassware.mns" as glassware
+scatter Places what stands behind it n times on a disc
 TOPICS
 run help mist
 exits 0
