@@ -78,19 +78,14 @@ typedef struct Contacts {
     Contact contact;
 } Contacts;
 
-static bool is_same_place(Span a, Span b)
-{
-    return a.source == b.source && a.begin == b.begin;
-}
-
 /* False: there are too many groups for another one. */
 static bool add_contact(const CompiledScene *compiled, Contacts *groups, uint32_t *n_groups, uint32_t hull,
                         const Contact *contact)
 {
     const SceneObject *objects = compiled->scene->objects;
     for (uint32_t i = 0; i < *n_groups; i++)
-        if (is_same_place(report_object(compiled, groups[i].hull)->span, report_object(compiled, hull)->span) &&
-            is_same_place(objects[groups[i].contact.object].span, objects[contact->object].span)) {
+        if (report_same_place(report_object(compiled, groups[i].hull)->span, report_object(compiled, hull)->span) &&
+            report_same_place(objects[groups[i].contact.object].span, objects[contact->object].span)) {
             groups[i].n++;
             return true;
         }

@@ -110,6 +110,11 @@ void report_print_hulls(const CompiledScene *compiled, const ReportGroups *group
 void report_print_pairs(const CompiledScene *compiled, const ReportGroups *groups, Buf *out);
 
 const SceneObject *report_object(const CompiledScene *compiled, uint32_t hull);
+/* Whether two things are of one place in the text, as the turns of a loop are. */
+static inline bool report_same_place(Span a, Span b)
+{
+    return a.source == b.source && a.begin == b.begin;
+}
 /* In units that suit people: "3.20 cm³", "0.1 mm". */
 void report_add_area(Buf *out, const Scene *scene, double area);
 void report_add_volume(Buf *out, const Scene *scene, double volume);

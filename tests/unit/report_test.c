@@ -222,6 +222,24 @@ static void many_warnings_are_summed_up(void **state)
     fixture_clear(&f);
 }
 
+/* What a loop or a macro makes again and again is told once. */
+static void gaps_of_a_loop_are_one_warning(void **state)
+{
+    (void)state;
+    Fixture f;
+    fixture_compile(&f,
+                    FIXTURE_MEDIA
+                    "for (i in 1..20) { box pane { interior = glass from = <30 * i, 0, 0> to = <30 * i + 20, 5, 20> } "
+                    "box film { interior = water from = <30 * i, 5.01, 0> to = <30 * i + 20, 6, 20> } }" FIXTURE_VIEW,
+                    1);
+    report_warnings(f.compiled, NULL, &f.diag);
+    const Diagnostic *gap = fixture_find(&f, D_AIR_GAP);
+    assert_non_null(gap);
+    assert_int_equal(f.diag.n_warnings, 1);
+    assert_string_equal(gap->notes->text, "and so are 19 more between what these lines place");
+    fixture_clear(&f);
+}
+
 /* ---- remarks ---- */
 
 #define TWO_MEDIA "meniscus 1.0 unit mm medium glass { ior = 1.5 } medium water { ior = 1.33 } "
@@ -567,6 +585,7 @@ int main(void)
         cmocka_unit_test(json_has_every_pair),
         cmocka_unit_test(warnings_name_both_sides_of_a_gap),
         cmocka_unit_test(many_warnings_are_summed_up),
+        cmocka_unit_test(gaps_of_a_loop_are_one_warning),
         cmocka_unit_test(remarks_tell_what_is_worth_a_look),
         cmocka_unit_test(paint_is_seen),
         cmocka_unit_test(remarks_are_not_made_of_what_is_meant),
