@@ -320,6 +320,19 @@ static void through_panes(void **state)
     }
 }
 
+/* A box with a thin surface is two panes, between which light goes to and fro. */
+static void double_glazing(void **state)
+{
+    (void)state;
+    const double one = truth_pane(1, 1.5);
+    Estimate seen =
+        truth_measure("meniscus 1.0 unit mm " PANE "box { from = <-60, 0, -60>  to = <60, 16, 60>  surface = pane }\n"
+                      "light { from = <0, -90, 0>  to = <0, 0, 0>  size = <90, 90>  radiance = 2 }\n"
+                      "camera { from = <0, 300, 0>  to = <0, 0, 0>  up = z  fov = .01deg }\n",
+                      NULL, 1024, false);
+    truth_expect("a lamp seen through double glazing", 2 * one * one / (1 - (1 - one) * (1 - one)), seen, 4, 0.004);
+}
+
 /* Three lanes of each path are for lines where these are all the light, and one beside other lights: the light of two lamps is
  * that of one and that of the other. */
 static void lamps_of_lines(void **state)
@@ -347,7 +360,7 @@ int main(void)
         cmocka_unit_test(spheres),         cmocka_unit_test(quads),          cmocka_unit_test(discs),
         cmocka_unit_test(under_a_ceiling), cmocka_unit_test(into_a_cone),    cmocka_unit_test(from_infinity),
         cmocka_unit_test(in_murk),         cmocka_unit_test(bulb_in_murk),   cmocka_unit_test(agree_in_fog),
-        cmocka_unit_test(through_panes),   cmocka_unit_test(lamps_of_lines),
+        cmocka_unit_test(through_panes),   cmocka_unit_test(double_glazing), cmocka_unit_test(lamps_of_lines),
     };
     return cmocka_run_group_tests_name("direct light", tests, NULL, NULL);
 }
