@@ -146,7 +146,7 @@ void report_mesh_materials(const CompiledScene *compiled, Diag *diag)
                                          object->name, materials->file, materials->names);
         diag_hint(diag, report,
                   "where they matter, make a mesh of each part = \"...\", with its own surface or interior; 'meniscus "
-                  "info %s' lists them",
+                  "import %s' writes a scene of all",
                   materials->file);
     }
     free(done);

@@ -72,6 +72,24 @@ static void add_truth(Facts *facts, const char *name, bool truth)
         add_fact(facts, name, truth ? "yes" : "no");
 }
 
+/* A node that has nothing below it is the same object. */
+static bool is_the_same_again(const MeshSource *source, const MeshPart *part)
+{
+    if (strcmp(part->kind, "object") != 0 || !part->by_number) return false;
+    for (size_t i = 0; i < source->n_parts; i++)
+        if (source->parts[i].number == part->number && strcmp(source->parts[i].kind, "node") == 0)
+            return source->parts[i].n_triangles == part->n_triangles;
+    return false;
+}
+
+/* What is said of a part; NULL: it is no material, or there is nothing. */
+static const MeshMaterial *material_of(const MeshSource *source, const MeshPart *part)
+{
+    if (strcmp(part->kind, "material") != 0) return NULL;
+    if (!part->by_number) return mesh_source_find_material(source, part->name);
+    return part->number < source->n_materials ? &source->materials[part->number] : NULL;
+}
+
 /* What `part` of a mesh can be. */
 static void describe_parts(const MeshSource *source, Facts *facts)
 {
@@ -82,37 +100,36 @@ static void describe_parts(const MeshSource *source, Facts *facts)
     }
     for (size_t i = 0; i < source->n_parts; i++) {
         const MeshPart *part = &source->parts[i];
-        const char *said = strcmp(part->kind, "material") == 0 ? mesh_source_said(source, part->name) : NULL;
+        if (is_the_same_again(source, part)) continue;
+        Buf said = {0};
+        const MeshMaterial *material = material_of(source, part);
+        if (material) material_describe(material, &said);
         if (facts->as_json) {
             json_begin_object(&facts->json);
             json_add_text(&facts->json, "kind", part->kind);
             json_add_text(&facts->json, "name", part->name);
             json_add_number(&facts->json, "triangles", (double)part->n_triangles);
-            if (said) json_add_text(&facts->json, "material", said);
+            if (said.length) json_add_text(&facts->json, "material", buf_text(&said));
             json_end(&facts->json);
         } else {
             buf_format(facts->out, "%-*s '%s', %llu triangles%s%s\n", NAME_COLUMNS, part->kind, part->name,
-                       (unsigned long long)part->n_triangles, said ? ": " : "", said ? said : "");
+                       (unsigned long long)part->n_triangles, said.length ? ": " : "", buf_text(&said));
         }
+        buf_clear(&said);
     }
     if (facts->as_json) json_end(&facts->json);
 }
 
-/* Materials are not taken, which nobody would see before the picture. */
+/* Meshes of a scene do not take materials, which nobody would see before the picture. */
 static void describe_materials(const char *path, const MeshSource *source, Facts *facts)
 {
-    if (!source->n_materials) return;
-    const char *named = NULL;
-    for (size_t i = 0; i < source->n_parts && !named; i++)
-        if (strcmp(source->parts[i].kind, "material") == 0) named = source->parts[i].name;
+    size_t n = 0;
+    for (size_t i = 0; i < source->n_materials; i++) n += material_says_something(&source->materials[i]);
+    if (!n) return;
+    add_number(facts, "materials", (double)n);
     Buf text = {0};
-    buf_format(&text, "mesh { file = \"%s\"", file_name(path));
-    if (named) buf_format(&text, "  part = \"%s\"", named);
-    buf_add(&text, "  surface = ... }, or interior = ... of what is clear");
-    add_number(facts, "materials not taken", (double)source->n_materials);
-    for (size_t i = 0; i < source->n_materials && !facts->as_json; i++)
-        if (!*source->materials[i].name) add_fact(facts, "one without a name", source->materials[i].said);
-    add_fact(facts, "write for each part", buf_text(&text));
+    buf_format(&text, "meniscus import %s", path);
+    add_fact(facts, "a scene that has them", buf_text(&text));
     buf_clear(&text);
 }
 

@@ -22,9 +22,10 @@ enum {
 typedef struct Walk {
     Gltf *gltf;
     MeshSource *source;
-    uint32_t parts[MAX_DEPTH + 2]; /* the nodes down to here, then mesh and material; UINT32_MAX: without a name */
-    bool *visited;                 /* nodes */
-    Mesh **meshes;                 /* one for each primitive that is wanted */
+    uint32_t
+        parts[MAX_DEPTH + 3]; /* the nodes down to here, then the last one alone, mesh and material; UINT32_MAX: none */
+    bool *visited;            /* nodes */
+    Mesh **meshes;            /* one for each primitive that is wanted */
     size_t n_meshes, capacity;
     uint64_t n_vertices, n_triangles;
 } Walk;
@@ -168,10 +169,16 @@ static Status mesh_of(const Gltf *gltf, const Primitive *primitive, Mesh **out)
     return STATUS_OK;
 }
 
-static uint32_t part_named(const Walk *walk, const char *kind, const json_t *thing)
+/* Things without a name are called by their number. */
+static uint32_t part_of(const Walk *walk, const char *kind, size_t number, const json_t *thing)
 {
     const char *name = json_string_value(json_object_get(thing, "name"));
-    return walk->source && name ? mesh_source_part(walk->source, kind, name, strlen(name)) : UINT32_MAX;
+    return walk->source && thing ? mesh_source_numbered_part(walk->source, kind, number, name) : UINT32_MAX;
+}
+
+static size_t number_of(const json_t *holder, const char *key)
+{
+    return (size_t)json_number_value(json_object_get(holder, key));
 }
 
 static Status keep_mesh(Walk *walk, const Primitive *primitive, const Affine *to_world)
@@ -192,6 +199,7 @@ static Status keep_mesh(Walk *walk, const Primitive *primitive, const Affine *to
     return mesh_normalize_normals(mesh, gltf->error);
 }
 
+/* depth: of the part that the material is behind. */
 static Status add_primitive(Walk *walk, const json_t *json, uint32_t depth, const Affine *to_world)
 {
     Gltf *gltf = walk->gltf;
@@ -201,7 +209,9 @@ static Status add_primitive(Walk *walk, const json_t *json, uint32_t depth, cons
     if (primitive.mode > MODE_FAN) return gltf_fail(gltf, "a primitive's mode is %d, which is unknown", primitive.mode);
     const json_t *material = NULL;
     if (json_object_get(json, "material")) TRY(gltf_item(gltf, json, "material", "materials", &material));
-    walk->parts[depth + 1] = part_named(walk, "material", material);
+    walk->parts[depth + 1] = part_of(walk, "material", number_of(json, "material"), material);
+    const json_t *attributes = json_object_get(json, "attributes");
+    if (walk->source && json_object_get(attributes, "COLOR_0")) walk->source->vertex_colors = true;
     Status status = read_primitive(gltf, json, &primitive);
     size_t n = status == STATUS_OK ? triangles_of(&primitive) : 0;
     if (n > 0 && mesh_source_wants(walk->source, walk->parts, depth + 2, n)) {
@@ -228,14 +238,16 @@ static Status add_node(Walk *walk, const json_t *list, size_t place, uint32_t de
     Affine to_world;
     TRY(local_transform(gltf, node, &to_world));
     to_world = affine_compose(parent, &to_world);
-    walk->parts[depth] = part_named(walk, "node", node);
+    walk->parts[depth] = part_of(walk, "node", number, node);
+    if (walk->source && walk->source->whole) gltf_list_views(gltf, node, &to_world, walk->source);
     if (json_object_get(node, "mesh")) {
         const json_t *mesh;
         TRY(gltf_item(gltf, node, "mesh", "meshes", &mesh));
         const json_t *primitives = json_object_get(mesh, "primitives");
-        walk->parts[depth + 1] = part_named(walk, "mesh", mesh);
+        walk->parts[depth + 1] = part_of(walk, "object", number, node);
+        walk->parts[depth + 2] = part_of(walk, "mesh", number_of(node, "mesh"), mesh);
         for (size_t i = 0; i < json_array_size(primitives); i++)
-            TRY(add_primitive(walk, json_array_get(primitives, i), depth + 1, &to_world));
+            TRY(add_primitive(walk, json_array_get(primitives, i), depth + 2, &to_world));
     }
     const json_t *children = json_object_get(node, "children");
     for (size_t i = 0; i < json_array_size(children); i++) TRY(add_node(walk, children, i, depth + 1, &to_world));
@@ -323,6 +335,9 @@ Status mesh_load_gltf(const char *path, MeshSource *source, Mesh **mesh, Error *
     if (status == STATUS_OK && source) {
         source->unit_m = 1;
         gltf_list_materials(&gltf, source);
+        if (source->whole) gltf_list_images(&gltf, source);
+        source->animated = json_array_size(json_object_get(gltf.root, "animations")) > 0 ||
+                           json_array_size(json_object_get(gltf.root, "skins")) > 0;
     }
     for (size_t i = 0; i < walk.n_meshes; i++) mesh_free(walk.meshes[i]);
     free(walk.meshes);

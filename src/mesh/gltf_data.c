@@ -119,23 +119,44 @@ static int base64_digit(char c)
     return c == '+' || c == '-' ? 62 : c == '/' || c == '_' ? 63 : -1;
 }
 
-static Status decode_base64(const Gltf *gltf, const char *text, GltfBuffer *buffer)
+/* malloc'd bytes; false when memory ended, *wrong SIZE_MAX, or at a character that is none of base64. */
+static bool decode_base64(const char *text, char **bytes, size_t *n, size_t *wrong)
 {
     size_t length = strlen(text);
     while (length && text[length - 1] == '=') length--;
-    char *bytes = malloc(length / 4 * 3 + 4);
-    if (!bytes) return fail_memory(gltf->error, length, "a glTF buffer");
-    buffer->owned = bytes;
+    *wrong = SIZE_MAX;
+    *n = 0;
+    *bytes = malloc(length / 4 * 3 + 4);
+    if (!*bytes) return false;
     uint32_t bits = 0;
-    size_t n = 0;
     for (size_t i = 0; i < length; i++) {
         int digit = base64_digit(text[i]);
-        if (digit < 0) return gltf_fail(gltf, "a buffer's base64 text has a wrong character, number %zu", i);
+        if (digit < 0) {
+            *wrong = i;
+            return false;
+        }
         bits = bits << 6 | (uint32_t)digit;
-        if (i % 4) bytes[n++] = (char)(bits >> (6 - 2 * (i % 4)));
+        if (i % 4) (*bytes)[(*n)++] = (char)(bits >> (6 - 2 * (i % 4)));
     }
-    buffer->bytes = (const unsigned char *)bytes;
-    buffer->length = n;
+    return true;
+}
+
+void gltf_data_uri(const char *uri, char **bytes, size_t *length)
+{
+    const char *comma = strstr(uri, ";base64,");
+    size_t wrong;
+    if (!comma || decode_base64(comma + 8, bytes, length, &wrong)) return;
+    free(*bytes);
+    *bytes = NULL;
+}
+
+static Status decode_buffer(const Gltf *gltf, const char *text, GltfBuffer *buffer)
+{
+    size_t wrong;
+    if (!decode_base64(text, &buffer->owned, &buffer->length, &wrong))
+        return wrong == SIZE_MAX ? fail_memory(gltf->error, strlen(text), "a glTF buffer")
+                                 : gltf_fail(gltf, "a buffer's base64 text has a wrong character, number %zu", wrong);
+    buffer->bytes = (const unsigned char *)buffer->owned;
     return STATUS_OK;
 }
 
@@ -146,24 +167,34 @@ static int hex_digit(char c)
     return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
 }
 
-/* A file beside the scene's, or in a folder there: never one elsewhere, whatever the name says. */
-static Status read_beside(const Gltf *gltf, const char *uri, GltfBuffer *buffer)
+char *gltf_decode_uri(const char *uri)
 {
-    char *folder = file_folder(gltf->path);
-    size_t room = (folder ? strlen(folder) : 0) + strlen(uri) + 1;
-    char *path = folder ? malloc(room) : NULL;
-    if (!path) {
-        free(folder);
-        return fail_memory(gltf->error, room, "a path");
-    }
-    char *to = path + strlen(folder);
-    memcpy(path, folder, strlen(folder));
+    char *path = malloc(strlen(uri) + 1), *to = path;
+    if (!path) return NULL;
     for (const char *from = uri; *from; from++) {
         bool escaped = from[0] == '%' && hex_digit(from[1]) >= 0 && hex_digit(from[2]) >= 0;
         *to++ = escaped ? (char)(hex_digit(from[1]) * 16 + hex_digit(from[2])) : *from;
         if (escaped) from += 2;
     }
     *to = 0;
+    return path;
+}
+
+/* A file beside the scene's, or in a folder there: never one elsewhere, whatever the name says. */
+static Status read_beside(const Gltf *gltf, const char *uri, GltfBuffer *buffer)
+{
+    char *folder = file_folder(gltf->path), *name = gltf_decode_uri(uri);
+    size_t room = (folder ? strlen(folder) : 0) + (name ? strlen(name) : 0) + 1;
+    char *path = folder && name ? malloc(room) : NULL;
+    if (path) {
+        memcpy(path, folder, strlen(folder));
+        memcpy(path + strlen(folder), name, strlen(name) + 1);
+    }
+    free(name);
+    if (!path) {
+        free(folder);
+        return fail_memory(gltf->error, room, "a path");
+    }
     Status status;
     if (strstr(uri, "://"))
         status = gltf_fail(gltf, "its buffer '%.100s' is not a file", uri);
@@ -201,7 +232,7 @@ static Status load_buffers(Gltf *gltf, const unsigned char *binary, size_t binar
         } else if (strncmp(uri, "data:", 5) == 0) {
             const char *comma = strstr(uri, ";base64,");
             if (!comma) return gltf_fail(gltf, "buffer %zu is written in a way other than base64", i);
-            TRY(decode_base64(gltf, comma + 8, buffer));
+            TRY(decode_buffer(gltf, comma + 8, buffer));
         } else {
             TRY(read_beside(gltf, uri, buffer));
         }
@@ -269,6 +300,24 @@ typedef struct Items {
     int n;        /* components of an item */
     double whole; /* of a normalized one; 0 otherwise */
 } Items;
+
+bool gltf_view_bytes(const Gltf *gltf, const json_t *holder, const unsigned char **bytes, size_t *length)
+{
+    Gltf quiet = *gltf; /* that one is missing is no failure of the whole */
+    Error unused;
+    quiet.error = &unused;
+    const json_t *view;
+    size_t offset, number;
+    if (gltf_item(&quiet, holder, "bufferView", "bufferViews", &view) != STATUS_OK ||
+        whole(&quiet, view, "byteOffset", 0, &offset) != STATUS_OK ||
+        whole(&quiet, view, "byteLength", 0, length) != STATUS_OK ||
+        whole(&quiet, view, "buffer", SIZE_MAX, &number) != STATUS_OK || number >= gltf->n_buffers)
+        return false;
+    const GltfBuffer *buffer = &gltf->buffers[number];
+    if (!buffer->bytes || offset > buffer->length || *length > buffer->length - offset) return false;
+    *bytes = buffer->bytes + offset;
+    return true;
+}
 
 /* Where the items are: held against the buffer view and the buffer. */
 static Status find_items(const Gltf *gltf, const json_t *holder, const json_t *accessor, int n, size_t count,

@@ -42,7 +42,17 @@ ATTR_NODISCARD Status gltf_read_floats(const Gltf *gltf, const json_t *holder, c
 /* holder.indices, malloc'd. */
 ATTR_NODISCARD Status gltf_read_indices(const Gltf *gltf, const json_t *holder, uint32_t **out, size_t *count);
 
-/* Tells the source what the file's materials say; see gltf_materials.c. */
+/* The path that a URI spells, with its %20 and the like decoded; malloc'd, NULL when memory ends. */
+char *gltf_decode_uri(const char *uri);
+/* The bytes of a "data:" URI in base64, malloc'd; *bytes stays NULL where it is none. */
+void gltf_data_uri(const char *uri, char **bytes, size_t *length);
+/* The bytes of the buffer view that holder.bufferView numbers; false where it is not within its buffer. */
+bool gltf_view_bytes(const Gltf *gltf, const json_t *holder, const unsigned char **bytes, size_t *length);
+
+/* Tells the source what the file's materials say, and then which of its images they need; see gltf_materials.c. */
 void gltf_list_materials(const Gltf *gltf, MeshSource *source);
+void gltf_list_images(const Gltf *gltf, MeshSource *source);
+/* Tells the source the camera and the light of a node, if it has them; see gltf_views.c. */
+void gltf_list_views(const Gltf *gltf, const json_t *node, const Affine *to_world, MeshSource *source);
 
 #endif

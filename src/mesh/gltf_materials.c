@@ -1,81 +1,149 @@
-/* gltf_materials.c - what the materials of a glTF file say. Only to be told: a scene gives its own surfaces and media.
+/* gltf_materials.c - what the materials of a glTF file say, by the rows of material.def, and its images.
+ * What is not made as it should be counts as not said: the triangles are there all the same.
  * SPDX-License-Identifier: Apache-2.0 */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/buf.h"
+#include "base/array.h"
 #include "mesh/gltf_data.h"
 
-/* A number within objects that lie in each other, and what it says. */
-static const struct {
-    const char *outer, *inner, *number, *what;
-} rows[] = {
-    {"pbrMetallicRoughness", NULL, "metallicFactor", "metal"},
-    {"pbrMetallicRoughness", NULL, "roughnessFactor", "roughness"},
-    {"extensions", "KHR_materials_transmission", "transmissionFactor", "transmission"},
-    {"extensions", "KHR_materials_ior", "ior", "index"},
-    {"extensions", "KHR_materials_volume", "thicknessFactor", "thickness"},
-    {"extensions", "KHR_materials_emissive_strength", "emissiveStrength", "emission"},
-};
-
-static void add_text(Buf *said, const char *what)
+/* The object that a row's member is in; NULL: it is not there. */
+static const json_t *holder_of(const json_t *material, const MaterialRow *row)
 {
-    buf_format(said, "%s%s", said->length ? ", " : "", what);
+    const json_t *holder = row->outer ? json_object_get(material, row->outer) : material;
+    return row->extension ? json_object_get(holder, row->extension) : holder;
 }
 
-static void add_color(Buf *said, const char *what, const json_t *list)
+static void read_fact(const json_t *material, const MaterialRow *row, MeshMaterial *out)
 {
-    if (json_array_size(list) < 3) return;
-    add_text(said, what);
-    for (size_t i = 0; i < 3; i++) buf_format(said, " %.3g", json_number_value(json_array_get(list, i)));
-    if (json_array_size(list) > 3 && json_number_value(json_array_get(list, 3)) < 1)
-        buf_format(said, ", opacity %.3g", json_number_value(json_array_get(list, 3)));
+    const json_t *member = json_object_get(holder_of(material, row), row->name);
+    double numbers[3];
+    for (int k = 0; k < row->n; k++) {
+        const json_t *number = json_is_array(member) ? json_array_get(member, (size_t)(row->at + k)) : member;
+        numbers[k] = json_number_value(number);
+        if (!json_is_number(number) || !isfinite(numbers[k])) return;
+        if (!json_is_array(member) && row->n > 1) return;
+    }
+    if (member) material_set(out, row, numbers);
 }
 
 /* The item of a list of the file that a number in an object stands for; NULL: none. */
-static const json_t *item_of(const Gltf *gltf, const json_t *holder, const char *key, const char *list)
+static const json_t *item_of(const Gltf *gltf, const json_t *holder, const char *key, const char *list, size_t *place)
 {
     const json_t *number = json_object_get(holder, key);
     json_int_t i = json_integer_value(number);
-    return json_is_integer(number) && i >= 0 ? json_array_get(json_object_get(gltf->root, list), (size_t)i) : NULL;
+    if (!json_is_integer(number) || i < 0) return NULL;
+    if (place) *place = (size_t)i;
+    return json_array_get(json_object_get(gltf->root, list), (size_t)i);
 }
 
-static void add_picture(const Gltf *gltf, const json_t *texture_info, Buf *said)
+static void read_pair(const json_t *holder, const char *key, double pair[2])
 {
-    if (!json_is_object(texture_info)) return;
-    const json_t *image = item_of(gltf, item_of(gltf, texture_info, "index", "textures"), "source", "images");
+    const json_t *list = json_object_get(holder, key), *first = json_array_get(list, 0),
+                 *second = json_array_get(list, 1);
+    if (!json_is_number(first) || !json_is_number(second)) return;
+    pair[0] = json_number_value(first);
+    pair[1] = json_number_value(second);
+}
+
+static PictureWrap wrap_of(const Gltf *gltf, const json_t *texture)
+{
+    enum { CLAMP_TO_EDGE = 33071, MIRRORED_REPEAT = 33648 };
+    const json_t *sampler = item_of(gltf, texture, "sampler", "samplers", NULL);
+    json_int_t code = json_integer_value(json_object_get(sampler, "wrapS"));
+    return code == CLAMP_TO_EDGE ? PICTURE_WRAP_CLAMP : code == MIRRORED_REPEAT ? PICTURE_WRAP_MIRROR : PICTURE_WRAP_REPEAT;
+}
+
+static void read_picture(const Gltf *gltf, const json_t *material, const MaterialRow *row, MeshMaterial *out)
+{
+    const json_t *info = json_object_get(holder_of(material, row), row->name);
+    const json_t *texture = item_of(gltf, info, "index", "textures", NULL);
+    if (!json_is_object(info)) return;
+    MeshPicture *picture = &out->pictures[row->key];
+    size_t place = UINT32_MAX - 1; /* some picture, of which no more is known */
+    const json_t *image = item_of(gltf, texture, "source", "images", &place);
+    const json_t *extensions = json_object_get(texture, "extensions");
+    const char *const others[] = {"EXT_texture_webp", "KHR_texture_basisu"};
+    for (size_t i = 0; !image && i < COUNT_OF(others); i++)
+        image = item_of(gltf, json_object_get(extensions, others[i]), "source", "images", &place);
     const char *uri = json_string_value(json_object_get(image, "uri"));
-    add_text(said, "picture ");
-    if (uri && strncmp(uri, "data:", 5) != 0)
-        buf_format(said, "%.200s", uri);
-    else
-        buf_add(said, "within the file");
+    if (uri && strncmp(uri, "data:", 5) != 0) picture->file = gltf_decode_uri(uri);
+    if (!picture->file) picture->image = place < UINT32_MAX - 1 ? (uint32_t)place : UINT32_MAX - 1;
+    picture->wrap = wrap_of(gltf, texture);
+    const json_t *moved = json_object_get(json_object_get(info, "extensions"), "KHR_texture_transform");
+    const json_t *set = json_object_get(moved, "texCoord");
+    if (!set) set = json_object_get(info, "texCoord");
+    picture->second_uvs = json_integer_value(set) != 0;
+    read_pair(moved, "offset", picture->offset);
+    read_pair(moved, "scale", picture->scale);
+    picture->turned = json_number_value(json_object_get(moved, "rotation"));
 }
 
-static void list_material(const Gltf *gltf, const json_t *material, MeshSource *source)
+static void list_material(const Gltf *gltf, const json_t *json, MeshSource *source)
 {
-    Buf said = {0};
-    const char *name = json_string_value(json_object_get(material, "name"));
-    const json_t *look = json_object_get(material, "pbrMetallicRoughness"),
-                 *extensions = json_object_get(material, "extensions"),
-                 *volume = json_object_get(extensions, "KHR_materials_volume");
-    add_color(&said, "base colour", json_object_get(look, "baseColorFactor"));
-    add_picture(gltf, json_object_get(look, "baseColorTexture"), &said);
-    add_color(&said, "attenuation", json_object_get(volume, "attenuationColor"));
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-        const json_t *holder = json_object_get(material, rows[i].outer);
-        if (rows[i].inner) holder = json_object_get(holder, rows[i].inner);
-        const json_t *number = json_object_get(holder, rows[i].number);
-        if (!json_is_number(number)) continue;
-        add_text(&said, rows[i].what);
-        buf_format(&said, " %.3g", json_number_value(number));
+    const char *name = json_string_value(json_object_get(json, "name"));
+    MeshMaterial material = material_new(name ? name : "", name ? strlen(name) : 0);
+    const MaterialRow *row;
+    for (size_t i = 0; (row = material_row(i)) != NULL; i++) {
+        if (!row->name) continue;
+        if (row->is_picture)
+            read_picture(gltf, json, row, &material);
+        else
+            read_fact(json, row, &material);
     }
-    if (said.length) mesh_source_material(source, name ? name : "", name ? strlen(name) : 0, strdup(buf_text(&said)));
-    buf_clear(&said);
+    const json_t *extensions = json_object_get(json, "extensions");
+    material.unlit = json_object_get(extensions, "KHR_materials_unlit") != NULL;
+    material.volume = json_object_get(extensions, "KHR_materials_volume") != NULL;
+    const char *alpha = json_string_value(json_object_get(json, "alphaMode"));
+    if (alpha && strcmp(alpha, "MASK") == 0) material.alpha = ALPHA_MASK;
+    if (alpha && strcmp(alpha, "BLEND") == 0) material.alpha = ALPHA_BLEND;
+    mesh_source_material(source, &material);
 }
 
 void gltf_list_materials(const Gltf *gltf, MeshSource *source)
 {
     const json_t *materials = json_object_get(gltf->root, "materials");
     for (size_t i = 0; i < json_array_size(materials); i++) list_material(gltf, json_array_get(materials, i), source);
+}
+
+/* ---- images ---- */
+
+/* The bytes of an image that is within the file; a copy. */
+static void read_image(const Gltf *gltf, const json_t *json, MeshImage *image)
+{
+    const char *name = json_string_value(json_object_get(json, "name")),
+               *uri = json_string_value(json_object_get(json, "uri"));
+    image->name = strdup(name ? name : "");
+    if (uri && strncmp(uri, "data:", 5) == 0) {
+        gltf_data_uri(uri, &image->bytes, &image->length);
+        return;
+    }
+    const unsigned char *bytes;
+    size_t length;
+    if (uri || !gltf_view_bytes(gltf, json, &bytes, &length)) return;
+    image->bytes = malloc(length + 1);
+    if (!image->bytes) return;
+    memcpy(image->bytes, bytes, length);
+    image->length = length;
+}
+
+/* Whether any material has it: others would only be in the way. */
+static bool is_used(const MeshSource *source, size_t number)
+{
+    for (size_t i = 0; i < source->n_materials; i++)
+        for (int k = 0; k < PICTURE_COUNT; k++)
+            if (source->materials[i].pictures[k].image == number) return true;
+    return false;
+}
+
+void gltf_list_images(const Gltf *gltf, MeshSource *source)
+{
+    const json_t *images = json_object_get(gltf->root, "images");
+    size_t n = json_array_size(images);
+    source->images = calloc(n + 1, sizeof *source->images);
+    if (!source->images) return;
+    source->n_images = n;
+    for (size_t i = 0; i < n; i++)
+        if (is_used(source, i)) read_image(gltf, json_array_get(images, i), &source->images[i]);
 }

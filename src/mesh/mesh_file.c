@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "mesh/mesh_file.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -56,26 +57,48 @@ Status mesh_load(const char *path, MeshSource *source, Mesh **mesh, Error *error
 void mesh_source_clear(MeshSource *source)
 {
     for (size_t i = 0; i < source->n_parts; i++) free(source->parts[i].name);
-    for (size_t i = 0; i < source->n_materials; i++) {
-        free(source->materials[i].name);
-        free(source->materials[i].said);
+    for (size_t i = 0; i < source->n_materials; i++) material_clear(&source->materials[i]);
+    for (size_t i = 0; i < source->n_cameras; i++) free(source->cameras[i].name);
+    for (size_t i = 0; i < source->n_lights; i++) free(source->lights[i].name);
+    for (size_t i = 0; i < source->n_images; i++) {
+        free(source->images[i].name);
+        free(source->images[i].bytes);
     }
     free(source->materials);
     free(source->parts);
     free(source->table);
-    *source = (MeshSource){.part = source->part};
+    free(source->runs);
+    free(source->run_parts);
+    free(source->cameras);
+    free(source->lights);
+    free(source->images);
+    *source = (MeshSource){.asked = source->asked, .n_asked = source->n_asked, .whole = source->whole};
 }
 
-static size_t part_slot(const MeshSource *source, const char *kind, const char *name, size_t length)
+/* ---- parts ---- */
+
+/* What a part is known by. */
+typedef struct PartKey {
+    const char *kind, *name;
+    size_t length;
+    bool by_number;
+    size_t number;
+} PartKey;
+
+static bool part_has(const MeshPart *part, const PartKey *key)
 {
-    uint64_t hash = hash_u64((uint64_t)(unsigned char)kind[0]);
-    for (size_t i = 0; i < length; i++) hash = hash_u64(hash ^ (unsigned char)name[i]);
+    if (strcmp(part->kind, key->kind) != 0 || part->by_number != key->by_number) return false;
+    if (key->by_number) return part->number == key->number;
+    return strlen(part->name) == key->length && memcmp(part->name, key->name, key->length) == 0;
+}
+
+static size_t part_slot(const MeshSource *source, const PartKey *key)
+{
+    uint64_t hash = hash_u64((uint64_t)(unsigned char)key->kind[0] ^ (key->by_number ? key->number << 8 : 0));
+    for (size_t i = 0; i < key->length && !key->by_number; i++) hash = hash_u64(hash ^ (unsigned char)key->name[i]);
     size_t slot = (size_t)hash & (source->table_room - 1);
-    for (; source->table[slot]; slot = (slot + 1) & (source->table_room - 1)) {
-        const MeshPart *part = &source->parts[source->table[slot] - 1];
-        if (strcmp(part->kind, kind) == 0 && strlen(part->name) == length && memcmp(part->name, name, length) == 0)
-            break;
-    }
+    while (source->table[slot] && !part_has(&source->parts[source->table[slot] - 1], key))
+        slot = (slot + 1) & (source->table_room - 1);
     return slot;
 }
 
@@ -91,9 +114,53 @@ static bool table_has_room(MeshSource *source)
     source->table_room = room;
     for (size_t i = 0; i < source->n_parts; i++) {
         const MeshPart *part = &source->parts[i];
-        table[part_slot(source, part->kind, part->name, strlen(part->name))] = (uint32_t)i + 1;
+        PartKey key = {part->kind, part->name, strlen(part->name), part->by_number, part->number};
+        table[part_slot(source, &key)] = (uint32_t)i + 1;
     }
     return true;
+}
+
+/* What stands behind "KIND:" in what is asked for; NULL: it begins with something else. */
+static const char *behind_kind(const char *asked, const char *kind)
+{
+    size_t length = strlen(kind);
+    return strncmp(asked, kind, length) == 0 && asked[length] == ':' ? asked + length + 1 : NULL;
+}
+
+static bool is_asked_for(const MeshPart *part, const char *asked)
+{
+    if (strcmp(part->name, asked) == 0) return true;
+    const char *rest = behind_kind(asked, part->kind);
+    if (!rest) return false;
+    char number[24];
+    snprintf(number, sizeof number, "#%zu", part->number);
+    return strcmp(part->name, rest) == 0 || strcmp(number, rest) == 0;
+}
+
+static size_t count_of_kind(const MeshSource *source, const char *kind)
+{
+    for (size_t i = source->n_parts; i > 0; i--) /* the last has the largest number */
+        if (strcmp(source->parts[i - 1].kind, kind) == 0) return source->parts[i - 1].number + 1;
+    return 0;
+}
+
+static uint32_t part_of(MeshSource *source, PartKey key)
+{
+    if (!table_has_room(source) || source->n_parts >= UINT32_MAX - 1) return UINT32_MAX;
+    size_t slot = part_slot(source, &key);
+    if (source->table[slot]) return source->table[slot] - 1;
+    if (!ARRAY_ROOM(source->parts, source->part_capacity, source->n_parts)) return UINT32_MAX;
+    char *copy = malloc(key.length + 1);
+    if (!copy) return UINT32_MAX;
+    memcpy(copy, key.name, key.length);
+    copy[key.length] = 0;
+    MeshPart part = {.kind = key.kind, .name = copy, .by_number = key.by_number};
+    part.number = key.by_number ? key.number : count_of_kind(source, key.kind);
+    for (size_t i = 0; i < source->n_asked && i < MESH_MOST_ASKED; i++)
+        if (is_asked_for(&part, source->asked[i])) part.asked |= (uint32_t)1 << i;
+    source->parts[source->n_parts++] = part;
+    source->table[slot] = (uint32_t)source->n_parts;
+    return (uint32_t)source->n_parts - 1;
 }
 
 uint32_t mesh_source_part(MeshSource *source, const char *kind, const char *name, size_t length)
@@ -101,74 +168,126 @@ uint32_t mesh_source_part(MeshSource *source, const char *kind, const char *name
     const char *zero = memchr(name, 0, length);
     if (zero) length = (size_t)(zero - name);
     if (length > LONGEST_NAME) length = LONGEST_NAME;
-    if (!table_has_room(source) || source->n_parts >= UINT32_MAX - 1) return UINT32_MAX;
-    size_t slot = part_slot(source, kind, name, length);
-    if (source->table[slot]) return source->table[slot] - 1;
-    if (!ARRAY_ROOM(source->parts, source->part_capacity, source->n_parts)) return UINT32_MAX;
-    char *copy = malloc(length + 1);
-    if (!copy) return UINT32_MAX;
-    memcpy(copy, name, length);
-    copy[length] = 0;
-    source->parts[source->n_parts++] = (MeshPart){kind, copy, 0};
-    source->table[slot] = (uint32_t)source->n_parts;
-    return (uint32_t)source->n_parts - 1;
+    return part_of(source, (PartKey){.kind = kind, .name = name, .length = length});
 }
 
-const char *mesh_source_said(const MeshSource *source, const char *material)
+uint32_t mesh_source_numbered_part(MeshSource *source, const char *kind, size_t number, const char *name)
+{
+    char unnamed[24];
+    snprintf(unnamed, sizeof unnamed, "#%zu", number);
+    if (!name || !*name) name = unnamed;
+    size_t length = strlen(name);
+    if (length > LONGEST_NAME) length = LONGEST_NAME;
+    return part_of(source, (PartKey){kind, name, length, true, number});
+}
+
+/* ---- materials ---- */
+
+const MeshMaterial *mesh_source_find_material(const MeshSource *source, const char *name)
 {
     for (size_t i = 0; i < source->n_materials; i++)
-        if (strcmp(source->materials[i].name, material) == 0) return source->materials[i].said;
+        if (strcmp(source->materials[i].name, name) == 0) return &source->materials[i];
     return NULL;
 }
 
-void mesh_source_material(MeshSource *source, const char *name, size_t length, char *said)
+void mesh_source_material(MeshSource *source, MeshMaterial *material)
 {
-    if (length > LONGEST_NAME) length = LONGEST_NAME;
-    char *copy = said && *said && source->n_materials < MOST_MATERIALS ? strndup(name, length) : NULL;
-    bool is_new = copy && (!*copy || !mesh_source_said(source, copy));
-    if (is_new && ARRAY_ROOM(source->materials, source->material_capacity, source->n_materials)) {
-        source->materials[source->n_materials++] = (MeshMaterial){copy, said};
-        return;
+    if (material->name && source->n_materials < MOST_MATERIALS &&
+        ARRAY_ROOM(source->materials, source->material_capacity, source->n_materials)) {
+        if (strlen(material->name) > LONGEST_NAME) material->name[LONGEST_NAME] = 0;
+        source->materials[source->n_materials++] = *material;
+    } else {
+        material_clear(material);
     }
-    free(copy);
-    free(said);
+    *material = (MeshMaterial){.name = NULL};
+}
+
+/* ---- triangles ---- */
+
+/* Notes whose the next triangles of the mesh are. Without memory the rest is nobody's. */
+static void add_run(MeshSource *source, const uint32_t *parts, size_t n, uint64_t n_triangles)
+{
+    if (source->n_runs) {
+        MeshRun *last = &source->runs[source->n_runs - 1];
+        if (last->n_parts == n && memcmp(&source->run_parts[last->first_part], parts, n * sizeof *parts) == 0) {
+            last->n_triangles += n_triangles;
+            return;
+        }
+    }
+    if (!ARRAY_ROOM(source->runs, source->run_capacity, source->n_runs) ||
+        !array_reserve(&source->run_parts, &source->run_part_capacity, source->n_run_parts + n + 1, sizeof *parts))
+        return;
+    memcpy(&source->run_parts[source->n_run_parts], parts, n * sizeof *parts);
+    source->runs[source->n_runs++] = (MeshRun){source->n_run_parts, (uint32_t)n, n_triangles};
+    source->n_run_parts += n;
+}
+
+/* Bits of those items of what is asked for that mean: none of that kind. */
+static uint32_t asked_without(const MeshSource *source, const uint32_t *parts, size_t n)
+{
+    uint32_t bits = 0;
+    for (size_t i = 0; i < source->n_asked; i++) {
+        size_t length = strlen(source->asked[i]);
+        if (length == 0 || source->asked[i][length - 1] != ':') continue;
+        bool has_one = false;
+        for (size_t k = 0; k < n && !has_one; k++)
+            has_one = parts[k] != UINT32_MAX && behind_kind(source->asked[i], source->parts[parts[k]].kind);
+        if (!has_one) bits |= (uint32_t)1 << i;
+    }
+    return bits;
 }
 
 bool mesh_source_wants(MeshSource *source, const uint32_t *parts, size_t n, uint64_t n_triangles)
 {
     if (!source) return true;
-    bool wanted = source->part == NULL;
+    uint32_t asked = 0, all = source->n_asked >= 32 ? UINT32_MAX : ((uint32_t)1 << source->n_asked) - 1;
     for (size_t i = 0; i < n; i++) {
         bool again = false; /* a node and one below it may have one name */
         for (size_t k = 0; k < i; k++) again = again || parts[k] == parts[i];
         if (parts[i] == UINT32_MAX || again) continue;
-        MeshPart *part = &source->parts[parts[i]];
-        part->n_triangles += n_triangles;
-        wanted = wanted || strcmp(part->name, source->part) == 0;
+        source->parts[parts[i]].n_triangles += n_triangles;
+        asked |= source->parts[parts[i]].asked;
     }
-    return wanted;
+    if (asked != all) asked |= asked_without(source, parts, n);
+    if (asked != all) return false;
+    if (source->whole) add_run(source, parts, n, n_triangles);
+    return true;
+}
+
+static const char *nearest_part(const MeshSource *source, const char *asked)
+{
+    const char **names = malloc(source->n_parts * sizeof *names);
+    for (size_t i = 0; names && i < source->n_parts; i++) names[i] = source->parts[i].name;
+    const char *nearest = names ? suggest_nearest(asked, names, source->n_parts) : NULL;
+    free(names);
+    return nearest;
 }
 
 Status mesh_source_nothing(const MeshSource *source, const char *path, Error *error)
 {
-    if (!source || !source->part) return fail(error, STATUS_INPUT, "'%s' has no faces", path);
+    if (!source || !source->n_asked) return fail(error, STATUS_INPUT, "'%s' has no faces", path);
+    const char *asked = source->asked[0];
     if (!source->n_parts)
-        return fail(error, STATUS_INPUT, "'%s' names no parts, so there is no part '%s'", path, source->part);
-    for (size_t i = 0; i < source->n_parts; i++)
-        if (strcmp(source->parts[i].name, source->part) == 0)
+        return fail(error, STATUS_INPUT, "'%s' names no parts, so there is no part '%s'", path, asked);
+    uint32_t known = 0;
+    for (size_t i = 0; i < source->n_parts; i++) known |= source->parts[i].asked;
+    size_t unknown = 0;
+    while (unknown < source->n_asked && known >> unknown & 1) unknown++;
+    for (size_t i = 0; unknown == source->n_asked && i < source->n_parts; i++)
+        if (source->n_asked == 1 && source->parts[i].asked)
             return fail(error, STATUS_INPUT, "'%s': the %s '%s' has no faces", path, source->parts[i].kind,
-                        source->part);
-    const char **names = malloc(source->n_parts * sizeof *names);
-    for (size_t i = 0; names && i < source->n_parts; i++) names[i] = source->parts[i].name;
-    const char *nearest = names ? suggest_nearest(source->part, names, source->n_parts) : NULL;
-    free(names);
-    if (nearest)
-        return fail(error, STATUS_INPUT, "'%s' has no part '%s'; did you mean '%s'?", path, source->part, nearest);
+                        source->parts[i].name);
+    if (unknown == source->n_asked)
+        return fail(error, STATUS_INPUT, "'%s': no face is of '%s' and of '%s' at once", path, asked,
+                    source->asked[source->n_asked - 1]);
+    asked = source->asked[unknown];
+    const char *nearest = nearest_part(source, asked);
+    if (nearest) return fail(error, STATUS_INPUT, "'%s' has no part '%s'; did you mean '%s'?", path, asked, nearest);
     Buf list = {0};
     for (size_t i = 0; i < source->n_parts && i < MOST_NAMES_SHOWN; i++)
         buf_format(&list, "%s%s '%s'", i ? ", " : "", source->parts[i].kind, source->parts[i].name);
     if (source->n_parts > MOST_NAMES_SHOWN) buf_format(&list, " and %zu more", source->n_parts - MOST_NAMES_SHOWN);
-    Status status = fail(error, STATUS_INPUT, "'%s' has no part '%s'; it has %s", path, source->part, buf_text(&list));
+    Status status = fail(error, STATUS_INPUT, "'%s' has no part '%s'; it has %s", path, asked, buf_text(&list));
     buf_clear(&list);
     return status;
 }

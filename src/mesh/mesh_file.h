@@ -3,32 +3,77 @@
 #ifndef MEN_MESH_FILE_H
 #define MEN_MESH_FILE_H
 
+#include "mesh/material.h"
 #include "mesh/mesh.h"
 
-/* Something in a file that has a name and triangles: an object, a group, a material. */
+/* Something in a file that has triangles and a name, or a number where it has none: an object, a group, a material. */
 typedef struct MeshPart {
     const char *kind;
-    char *name; /* owned by the source */
+    char *name;     /* owned by the source; "#3" of one without a name */
+    size_t number;  /* among those of its kind, from 0 */
+    bool by_number; /* two of one name are two */
+    uint32_t asked; /* bits 1 << i: item i of what is asked for means this part */
     uint64_t n_triangles;
 } MeshPart;
 
-/* What a file says that parts of it are made of. Nothing of it is taken, and it is kept only to be told. */
-typedef struct MeshMaterial {
-    char *
-        name; /* "": it has none; owned by the source, as what it is said to be: "base colour 0.8 0.1 0.1, index 1.5" */
-    char *said;
-} MeshMaterial;
+/* Triangles that follow each other in the mesh and are of the same parts. */
+typedef struct MeshRun {
+    size_t first_part; /* in run_parts */
+    uint32_t n_parts;
+    uint64_t n_triangles;
+} MeshRun;
 
-/* What is asked of a file, and what was found out about it. Starts zeroed, but for `part`. */
+typedef struct MeshCamera {
+    char *name; /* "": none; owned */
+    Affine to_world;
+    bool orthographic;
+    double fov_y;         /* radians */
+    double width, height; /* of orthographic: what is seen; else width over 1 is the shape of the picture, or 0 */
+} MeshCamera;
+
+typedef enum MeshLightKind { MESH_LIGHT_POINT, MESH_LIGHT_SPOT, MESH_LIGHT_DISTANT } MeshLightKind;
+typedef struct MeshLight {
+    char *name;      /* "": none; owned */
+    Affine to_world; /* it shines along -z */
+    MeshLightKind kind;
+    double color[3], intensity; /* candela; lux of distant ones */
+    double inner, outer;        /* of a spot, half angles in radians */
+} MeshLight;
+
+/* A picture within the file. */
+typedef struct MeshImage {
+    char *name, *bytes; /* owned; NULL bytes: it is not within the file, or not as it should be */
+    size_t length;
+} MeshImage;
+
+enum { MESH_MOST_ASKED = 32 };
+
+/* What is asked of a file, and what was found out about it. Starts zeroed, but for `asked`, `n_asked` and `whole`. */
 typedef struct MeshSource {
-    const char *part; /* only triangles of parts of this name, of whatever kind; NULL: all */
-    MeshPart *parts;  /* everything that the file names, in its order */
+    /* Only triangles that are of all of these, at most MESH_MOST_ASKED: "NAME" of whatever kind, "KIND:NAME", "KIND:#NUMBER", or
+     * "KIND:" for what has none of that kind. */
+    const char *const *asked;
+    size_t n_asked;  /* 0: all triangles */
+    bool whole;      /* runs, cameras, lights and images are wanted, too */
+    MeshPart *parts; /* everything that the file names, in its order */
     size_t n_parts, part_capacity;
     uint32_t *table; /* of part numbers + 1, by kind and name */
     size_t table_room;
-    MeshMaterial *materials; /* those that are said to be something */
+    MeshMaterial *materials; /* of glTF, in the order of the file; else of each name the first */
     size_t n_materials, material_capacity;
-    double unit_m; /* the length of the file's unit where the format says it; 0: it does not */
+    MeshRun *runs; /* all triangles of the mesh, in its order */
+    size_t n_runs, run_capacity;
+    uint32_t *run_parts;
+    size_t n_run_parts, run_part_capacity;
+    MeshCamera *cameras;
+    size_t n_cameras, camera_capacity;
+    MeshLight *lights;
+    size_t n_lights, light_capacity;
+    MeshImage *images;
+    size_t n_images;
+    bool animated;      /* it has motion, skins or shapes, of which nothing is taken */
+    bool vertex_colors; /* and colours of vertices, likewise */
+    double unit_m;      /* the length of the file's unit where the format says it; 0: it does not */
 } MeshSource;
 
 void mesh_source_clear(MeshSource *source);
@@ -47,7 +92,8 @@ ATTR_NODISCARD Status mesh_load_obj(const char *path, MeshSource *source, Mesh *
 /* STL, binary (whatever its header says) and text; facet normals are passed over. Parts: the solids of a text. */
 ATTR_NODISCARD Status mesh_load_stl(const char *path, MeshSource *source, Mesh **mesh, Error *error);
 
-/* glTF 2.0, .gltf and .glb: see gltf.c. The unit is the metre. Parts: nodes (with what is below), meshes, materials. */
+/* glTF 2.0, .gltf and .glb: see gltf.c. The unit is the metre. Parts: nodes (with what is below), objects (nodes without what
+ * is below), meshes, materials. */
 ATTR_NODISCARD Status mesh_load_gltf(const char *path, MeshSource *source, Mesh **mesh, Error *error);
 
 /* For readers. How many bytes of a text to quote that stand where something else should: up to the end of the word, but not all
@@ -61,13 +107,16 @@ static inline uint32_t load_le32(const void *at)
 }
 /* The number of the part, new or known; UINT32_MAX when memory ends. The name is cut at 255 bytes. */
 uint32_t mesh_source_part(MeshSource *source, const char *kind, const char *name, size_t length);
-/* A material that is new, and what it is said to be; NULL, where memory ended, and "" are passed over. Takes the text over. */
-void mesh_source_material(MeshSource *source, const char *name, size_t length, char *said);
-/* What a material is said to be; NULL: nothing. */
-const char *mesh_source_said(const MeshSource *source, const char *material);
+/* The same of one that has a number in the file, and perhaps a name, which others may have, too. */
+uint32_t mesh_source_numbered_part(MeshSource *source, const char *kind, size_t number, const char *name);
+/* A material, which is taken over and empty afterwards. */
+void mesh_source_material(MeshSource *source, MeshMaterial *material);
+/* The first material of that name; NULL: none. */
+const MeshMaterial *mesh_source_find_material(const MeshSource *source, const char *name);
 /* The materials of an .mtl file, whose name stands in an OBJ file beside it; one that cannot be read has none. */
 void mesh_list_mtl(const char *obj_path, const char *name, MeshSource *source);
-/* Counts triangles that are of n parts (UINT32_MAX: none) and says whether they are wanted. source may be NULL. */
+/* Counts triangles that are of n parts (UINT32_MAX: none) and says whether they are wanted; they are then the next of the mesh.
+ * source may be NULL. */
 bool mesh_source_wants(MeshSource *source, const uint32_t *parts, size_t n, uint64_t n_triangles);
 /* Why no triangle is left: no part of that name, one without triangles, or no faces at all. STATUS_INPUT. */
 ATTR_NODISCARD Status mesh_source_nothing(const MeshSource *source, const char *path, Error *error);

@@ -1,6 +1,7 @@
 /* mtl.c - reads what a library of materials says, Wavefront's .mtl beside an .obj: colour, picture, index, opacity, and what
- * later exporters add for metals. Only to be told: a scene gives its own surfaces and media.
+ * later exporters add for metals.
  * SPDX-License-Identifier: Apache-2.0 */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,17 +11,6 @@
 #include "mesh/mesh_file.h"
 
 static const size_t largest_library = (size_t)1 << 24;
-
-/* What a statement says, as how many numbers, or the name of a file. */
-enum { A_FILE = 0 };
-static const struct {
-    const char *statement, *what;
-    int n;
-} rows[] = {
-    {"Kd", "base colour", 3},  {"map_Kd", "picture", A_FILE}, {"Ni", "index", 1},    {"d", "opacity", 1},
-    {"Tr", "transparency", 1}, {"Tf", "filter", 3},           {"Ke", "emission", 3}, {"Pm", "metal", 1},
-    {"Pr", "roughness", 1},
-};
 
 typedef struct Line {
     const char *at, *end;
@@ -41,43 +31,89 @@ static bool is_word(Line word, const char *text)
     return strlen(text) == length && memcmp(word.at, text, length) == 0;
 }
 
-/* Adds what a line says, in words; what is not understood adds nothing. */
-static void add_line(Buf *said, Line word, Line rest)
+/* What the library that is read has so far. */
+typedef struct Library {
+    MeshSource *source;
+    const char *folder; /* of the library, from that of the OBJ file: "" or "maps/" */
+    MeshMaterial material;
+    bool begun;
+    bool by_blender; /* which counts shininess up to 1000 */
+} Library;
+
+/* The name of a file behind options, if there are any: "-bm 1 wax.png"; it may have blanks where there are none. */
+static char *file_behind(Line rest, const char *folder)
 {
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-        if (!is_word(word, rows[i].statement)) continue;
-        Buf value = {0};
-        Line next = next_word(&rest);
-        double number;
-        for (int k = 0; k < rows[i].n && next.at < next.end; k++, next = next_word(&rest)) {
-            if (num_parse(next.at, (size_t)(next.end - next.at), &number) == 0) break;
-            buf_format(&value, " %.3g", number);
+    Line word = next_word(&rest), last = word;
+    if (word.at < word.end && *word.at == '-')
+        for (; word.at < word.end; word = next_word(&rest)) last = word;
+    else
+        last.end = rest.end;
+    if (last.at >= last.end) return NULL;
+    Buf path = {0};
+    bool absolute = *last.at == '/' || *last.at == '\\' || (last.end - last.at > 1 && last.at[1] == ':');
+    buf_format(&path, "%s%.*s", absolute ? "" : folder, (int)(last.end - last.at), last.at);
+    for (char *c = path.text; c && *c; c++)
+        if (*c == '\\') *c = '/'; /* as Windows has it */
+    return path.text;
+}
+
+static void read_numbers(Line rest, const MaterialRow *row, MeshMaterial *material)
+{
+    double numbers[3];
+    Line word = next_word(&rest);
+    int n = 0;
+    for (; n < row->n && word.at < word.end; n++, word = next_word(&rest))
+        if (num_parse(word.at, (size_t)(word.end - word.at), &numbers[n]) == 0 || !isfinite(numbers[n])) break;
+    if (n == 0) return;
+    for (; n < row->n; n++) numbers[n] = numbers[n - 1]; /* green and blue are as red where they are left out */
+    material_set(material, row, numbers);
+}
+
+/* What a line says; what is not understood says nothing. */
+static void read_line(Library *library, Line word, Line rest)
+{
+    const MaterialRow *row;
+    MeshMaterial *material = &library->material;
+    for (size_t i = 0; (row = material_row(i)) != NULL; i++) {
+        const char *other = row->is_picture && row->key == PICTURE_BUMP ? "bump" : "map_bump";
+        if (!row->statement ||
+            !(is_word(word, row->statement) || (row->key == PICTURE_BUMP && row->is_picture && is_word(word, other))))
+            continue;
+        if (!row->is_picture) {
+            read_numbers(rest, row, material);
+        } else if (!material->pictures[row->key].file) {
+            material->pictures[row->key].file = file_behind(rest, library->folder);
         }
-        if (rows[i].n == A_FILE && next.at < next.end) { /* behind options, if any */
-            Line last = next;
-            if (*next.at == '-')
-                for (; next.at < next.end; next = next_word(&rest)) last = next;
-            else
-                last.end = rest.end;
-            buf_format(&value, " %.*s", (int)(last.end - last.at), last.at);
-        }
-        if (value.length) buf_format(said, "%s%s%s", said->length ? ", " : "", rows[i].what, buf_text(&value));
-        buf_clear(&value);
         return;
     }
+    double clear;
+    Line number = next_word(&rest);
+    if (!is_word(word, "Tr") || num_parse(number.at, (size_t)(number.end - number.at), &clear) == 0) return;
+    material->facts[FACT_OPACITY][0] = 1 - clear;
+    material->given |= (uint64_t)1 << FACT_OPACITY;
 }
 
-static void end_material(MeshSource *source, Line name, Buf *said)
+/* Of libraries that give a name twice, the first counts. */
+static void end_material(Library *library)
 {
-    if (name.at && said->length)
-        mesh_source_material(source, name.at, (size_t)(name.end - name.at), strdup(buf_text(said)));
-    buf_clear(said);
+    MeshMaterial *material = &library->material;
+    if (library->begun && material->name && !mesh_source_find_material(library->source, material->name)) {
+        if (!material_says(material, FACT_METAL)) material->facts[FACT_METAL][0] = 0;
+        if (!material_says(material, FACT_ROUGHNESS)) {
+            double shininess = fmax(material->facts[FACT_SHININESS][0], 0);
+            material->facts[FACT_ROUGHNESS][0] =
+                library->by_blender ? fmax(1 - sqrt(shininess / 1000), 0) : pow(2 / (shininess + 2), 0.25);
+        }
+        mesh_source_material(library->source, material);
+    }
+    material_clear(material);
+    library->begun = false;
 }
 
-static void read_lines(const char *bytes, size_t length, MeshSource *source)
+static void read_lines(const char *bytes, size_t length, const char *folder, MeshSource *source)
 {
-    Buf said = {0};
-    Line name = {NULL, NULL};
+    Library library = {.source = source, .folder = folder};
+    library.by_blender = length > 9 && memcmp(bytes, "# Blender", 9) == 0;
     for (const char *at = bytes, *end = bytes + length; at < end;) {
         const char *newline = memchr(at, '\n', (size_t)(end - at));
         Line line = {at, newline ? newline : end};
@@ -85,28 +121,31 @@ static void read_lines(const char *bytes, size_t length, MeshSource *source)
         while (line.at < line.end && (unsigned char)line.end[-1] <= ' ') line.end--;
         Line word = next_word(&line);
         if (!is_word(word, "newmtl")) {
-            add_line(&said, word, line);
+            if (library.begun) read_line(&library, word, line);
             continue;
         }
-        end_material(source, name, &said);
-        name = next_word(&line);
+        end_material(&library);
+        Line name = next_word(&line);
         name.end = line.end;
+        library.material = material_new(name.at, name.end > name.at ? (size_t)(name.end - name.at) : 0);
+        library.begun = true;
     }
-    end_material(source, name, &said);
+    end_material(&library);
 }
 
 void mesh_list_mtl(const char *obj_path, const char *name, MeshSource *source)
 {
     Error unused;
-    char *folder = file_folder(obj_path), *bytes = NULL;
+    char *folder = file_folder(obj_path), *beside = file_folder(name), *bytes = NULL;
     Buf path = {0};
     size_t length = 0;
     buf_format(&path, "%s%s", folder ? folder : "", name);
     bool there =
         folder && !path.failed && file_kind(buf_text(&path)) == FILE_REGULAR && file_lies_in(buf_text(&path), folder);
     if (there && file_read(buf_text(&path), largest_library, &bytes, &length, &unused) == STATUS_OK)
-        read_lines(bytes, length, source);
+        read_lines(bytes, length, beside ? beside : "", source);
     free(bytes);
     buf_clear(&path);
+    free(beside);
     free(folder);
 }

@@ -524,7 +524,7 @@ static Status read_body(Ply *ply)
 
 Status mesh_load_ply(const char *path, MeshSource *source, Mesh **mesh, Error *error)
 {
-    if (source && source->part)
+    if (source && source->n_asked)
         return mesh_source_nothing(source, path, error); /* there is nothing to name parts with */
     char *bytes = NULL;
     size_t length = 0;

@@ -64,7 +64,7 @@ static Status read_binary(const Stl *stl, uint32_t n, Mesh **mesh)
     if (length < needed)
         return fail(stl->error, STATUS_INPUT, "'%s' ends too early: %lu triangles take %llu bytes, and there are %zu",
                     stl->path, (unsigned long)n, (unsigned long long)needed, length);
-    if (n == 0 || (stl->source && stl->source->part)) return mesh_source_nothing(stl->source, stl->path, stl->error);
+    if (n == 0 || (stl->source && stl->source->n_asked)) return mesh_source_nothing(stl->source, stl->path, stl->error);
     Mesh *made;
     TRY(mesh_new(3 * n, n, false, false, &made, stl->error));
     const char *facet = stl->at + HEADER_BYTES + COUNT_BYTES;

@@ -271,13 +271,18 @@ typedef struct MaterialNames {
     size_t n;
 } MaterialNames;
 
+/* Those that it says something of. */
 static void name_materials(const MeshSource *source, MaterialNames *names)
 {
     enum { MOST_NAMED = 4, LONGEST = 60 };
-    size_t length = 0, n = names->n = source->n_materials;
+    size_t length = 0, n = 0, named = 0;
+    for (size_t i = 0; i < source->n_materials; i++) n += material_says_something(&source->materials[i]);
+    names->n = n;
     names->text[0] = 0;
-    for (size_t i = 0; i < n && i < MOST_NAMED; i++) {
-        const char *name = source->materials[i].name, *before = i == 0 ? "" : i + 1 == n ? " and " : ", ";
+    for (size_t i = 0; i < source->n_materials && named < MOST_NAMED; i++) {
+        if (!material_says_something(&source->materials[i])) continue;
+        const char *name = source->materials[i].name, *before = named == 0 ? "" : named + 1 == n ? " and " : ", ";
+        named++;
         const char *quote = *name ? "'" : "";
         length += (size_t)snprintf(names->text + length, sizeof names->text - length, "%s%s%.*s%s", before, quote,
                                    LONGEST, *name ? name : "one without a name", quote);
@@ -285,7 +290,7 @@ static void name_materials(const MeshSource *source, MaterialNames *names)
     if (n > MOST_NAMED) snprintf(names->text + length, sizeof names->text - length, " and %zu more", n - MOST_NAMED);
 }
 
-static void note_materials(Builder *b, const EvalProp *file, const MaterialNames *names, const char *part,
+static void note_materials(Builder *b, const EvalProp *file, const MaterialNames *names, const EvalProp *part,
                            uint32_t shape)
 {
     SceneShape *row = &b->scene->shapes[shape];
@@ -298,11 +303,15 @@ static void note_materials(Builder *b, const EvalProp *file, const MaterialNames
     row->materials = materials;
 }
 
-static bool load_file(Builder *b, const EvalProp *file, const char *path, const char *part, bool smooth, uint32_t shape,
-                      Mesh **mesh)
+static bool load_file(Builder *b, const EvalProp *file, const char *path, const EvalProp *part, bool smooth,
+                      uint32_t shape, Mesh **mesh)
 {
     Error error;
-    MeshSource source = {.part = part};
+    MeshSource source = {.asked = part ? part->as.list.texts : NULL, .n_asked = part ? part->as.list.n : 0};
+    if (source.n_asked > MESH_MOST_ASKED) {
+        diag_report(b->diag, D_LIMIT, part->span, "more than %d parts are asked for at once", MESH_MOST_ASKED);
+        return false;
+    }
     Status status = mesh_load(path, &source, mesh, &error);
     b->facts[shape].file_unit_m = source.unit_m;
     MaterialNames materials;
@@ -353,7 +362,7 @@ static bool fill_in_place(Builder *b, const EvalProp *positions, const EvalProp 
 }
 
 /* The same triangles a frame later. What was mended of the mesh is true of it, too. */
-static bool load_next(Builder *b, const EvalProp *next, const char *part, bool smooth, uint32_t shape)
+static bool load_next(Builder *b, const EvalProp *next, const EvalProp *part, bool smooth, uint32_t shape)
 {
     SceneShape *row = &b->scene->shapes[shape];
     const char *path = eval_find_file(&b->eval_options, b->diag, next->span, next->as.text);
@@ -390,7 +399,7 @@ static bool make_normals(Builder *b, const EvalNode *node, uint32_t shape)
     return build_succeeded(b, status, &error, node->span);
 }
 
-static bool load_files(Builder *b, const EvalNode *node, const EvalProp *file, const char *path, const char *part,
+static bool load_files(Builder *b, const EvalNode *node, const EvalProp *file, const char *path, const EvalProp *part,
                        uint32_t shape)
 {
     const EvalProp *next = eval_prop(node, "next_file");
@@ -415,12 +424,13 @@ static bool shape_of_file(Builder *b, const EvalNode *node, const EvalProp *file
     const char *path = eval_find_file(&b->eval_options, b->diag, file->span, file->as.text);
     if (!path) return false;
     build_note_file(b, path);
-    const EvalProp *part_prop = eval_prop(node, "part");
-    const char *part = part_prop ? part_prop->as.text : NULL;
-    const EvalProp *next = eval_prop(node, "next_file"), *weld = eval_prop(node, "weld"),
-                   *unit = eval_prop(node, "unit"), *crease = eval_prop(node, "crease");
-    const char *key = arena_format(b->arena, "mesh %d %s%s%s%s%s", smooth, path, part ? "\n" : "", part ? part : "",
-                                   next ? "\nnext " : "", next ? next->as.text : "");
+    const EvalProp *part = eval_prop(node, "part"), *next = eval_prop(node, "next_file"),
+                   *weld = eval_prop(node, "weld"), *unit = eval_prop(node, "unit"),
+                   *crease = eval_prop(node, "crease");
+    const char *key =
+        arena_format(b->arena, "mesh %d %s%s%s", smooth, path, next ? "\nnext " : "", next ? next->as.text : "");
+    for (size_t i = 0; part && i < part->as.list.n; i++)
+        key = arena_format(b->arena, "%s\npart %s", key, part->as.list.texts[i]);
     if (weld) /* a length of the scene, in the file's unit */
         key = arena_format(b->arena, "%s\nweld %a %a", key, weld->as.number, unit ? unit->as.number : 0);
     if (crease) key = arena_format(b->arena, "%s\ncrease %a", key, crease->as.number);

@@ -154,9 +154,10 @@ bool build_matter(Builder *b, const EvalNode *node, uint32_t shape, const EvalPr
         diag_hint(b->diag, report, "clear: interior = a medium; opaque: surface = surface { albedo = .5 }");
         const SceneShape *row = shape == SCENE_NONE ? NULL : &b->scene->shapes[shape];
         if (row && row->materials)
-            diag_note_nowhere(b->diag, report,
-                              "what '%s' says of its materials, %s, is not taken; 'meniscus info %s' shows it",
-                              row->materials->file, row->materials->names, row->materials->file);
+            diag_note_nowhere(
+                b->diag, report,
+                "what '%s' says of its materials, %s, is not taken; 'meniscus import %s' writes a scene that has it",
+                row->materials->file, row->materials->names, row->materials->file);
         return false;
     }
     if (*interior && eval_truth((*interior)->as.node, "mixes")) {

@@ -29,7 +29,7 @@ static inline Mesh *load_part(const char *part)
 {
     Mesh *mesh = NULL;
     Error error = {STATUS_OK, ""};
-    MeshSource source = {.part = part};
+    MeshSource source = {.asked = &part, .n_asked = part != NULL};
     if (mesh_load(in_folder(mesh_name), &source, &mesh, &error) != STATUS_OK) fail_msg("%s", error.text);
     mesh_source_clear(&source);
     return mesh;
@@ -40,7 +40,7 @@ static inline void refuse_part(const char *part, const char *reason)
 {
     Mesh *mesh = NULL;
     Error error = {STATUS_OK, ""};
-    MeshSource source = {.part = part};
+    MeshSource source = {.asked = &part, .n_asked = part != NULL};
     assert_int_equal(mesh_load(in_folder(mesh_name), &source, &mesh, &error), STATUS_INPUT);
     assert_null(mesh);
     mesh_source_clear(&source);
