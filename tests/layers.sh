@@ -33,11 +33,12 @@ shape base diag mesh
 geom base mesh shape
 image base diag
 scene base diag lang nest optics mesh shape geom
+import base diag lang mesh scene
 check base diag nest optics mesh shape geom scene
 trace base nest optics mesh shape geom scene
 render base diag image scene trace
 preview base image
-cli base diag lang nest optics mesh shape geom image scene check trace render preview
+cli base diag lang nest optics mesh shape geom image scene import check trace render preview
 TABLE
 known='src|grammar|examples|tests|man|README\.md|Makefile|LICENSE|CHANGES|VERSION|\..*'
 verdict 'nothing else at the top level' "$(git ls-files 2> /dev/null | sed 's|/.*||' | sort -u | grep -vxE "$known")"

@@ -342,3 +342,15 @@ void file_abandon(FileOut *out)
     free(out->path);
     *out = (FileOut){0};
 }
+
+Status file_write(const char *path, const void *bytes, size_t length, Error *error)
+{
+    FileOut file;
+    TRY(file_create(&file, path, error));
+    if (fwrite(bytes, 1, length, file.stream) != length) {
+        int reason = errno;
+        file_abandon(&file);
+        return fail(error, STATUS_OUTPUT, "cannot write '%s': %s", path, strerror(reason));
+    }
+    return file_commit(&file, error);
+}

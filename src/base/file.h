@@ -41,6 +41,8 @@ ATTR_NODISCARD Status file_create(FileOut *out, const char *path, Error *error);
 /* Flush, sync, close, rename. On failure the temporary file is gone, and what stood under the name
  * before is as it was. STATUS_OUTPUT. */
 ATTR_NODISCARD Status file_commit(FileOut *out, Error *error);
+/* A whole file so: STATUS_OUTPUT. */
+ATTR_NODISCARD Status file_write(const char *path, const void *bytes, size_t length, Error *error);
 void file_abandon(FileOut *out); /* close and delete; safe after a failed create or commit */
 
 /* malloc'd folder of path with the trailing '/', "" when it has none; NULL when memory ends */

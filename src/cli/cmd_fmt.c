@@ -1,6 +1,5 @@
 /* cmd_fmt.c - the command fmt: scenes laid out in one way.
  * SPDX-License-Identifier: Apache-2.0 */
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -32,18 +31,6 @@ static void format(void *context)
     text->status = format_text(name, text->bytes, text->length, &text->input->diag, &text->out, text->error);
 }
 
-static Status write_file(const char *path, const Buf *text, Error *error)
-{
-    FileOut file;
-    TRY(file_create(&file, path, error));
-    if (fwrite(buf_text(text), 1, text->length, file.stream) != text->length) {
-        int reason = errno;
-        file_abandon(&file);
-        return fail(error, STATUS_OUTPUT, "cannot write '%s': %s", path, strerror(reason));
-    }
-    return file_commit(&file, error);
-}
-
 static Status put_out(Formatting *formatting, const Text *text, Error *error)
 {
     const char *path = text->input->path;
@@ -53,7 +40,7 @@ static Status put_out(Formatting *formatting, const Text *text, Error *error)
     if (!check && !in_place) return print_out(&text->out, error);
     if (same) return STATUS_OK;
     formatting->n_changed++;
-    if (!check) return write_file(path, &text->out, error);
+    if (!check) return file_write(path, buf_text(&text->out), text->out.length, error);
     Buf line = {0};
     buf_format(&line, "%s\n", path);
     Status status = print_out(&line, error);

@@ -16,6 +16,7 @@ ATTR_NODISCARD Status cmd_merge(const Options *options, const Talk *talk, Error 
 ATTR_NODISCARD Status cmd_view(const Options *options, const Talk *talk, Error *error);
 ATTR_NODISCARD Status cmd_compare(const Options *options, const Talk *talk, Error *error);
 ATTR_NODISCARD Status cmd_info(const Options *options, const Talk *talk, Error *error);
+ATTR_NODISCARD Status cmd_import(const Options *options, const Talk *talk, Error *error);
 ATTR_NODISCARD Status cmd_bench(const Options *options, const Talk *talk, Error *error);
 ATTR_NODISCARD Status cmd_completion(const Options *options, const Talk *talk, Error *error);
 ATTR_NODISCARD Status cmd_help(const Options *options, const Talk *talk, Error *error);

@@ -21,6 +21,7 @@ static Status (*const command_functions[])(const Options *options, const Talk *t
     [COMMAND_VIEW] = cmd_view,
     [COMMAND_COMPARE] = cmd_compare,
     [COMMAND_INFO] = cmd_info,
+    [COMMAND_IMPORT] = cmd_import,
     [COMMAND_COMPLETION] = cmd_completion,
     [COMMAND_HELP] = cmd_help,
     [COMMAND_MANUAL] = cmd_manual,

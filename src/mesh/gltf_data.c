@@ -306,7 +306,7 @@ bool gltf_view_bytes(const Gltf *gltf, const json_t *holder, const unsigned char
     Gltf quiet = *gltf; /* that one is missing is no failure of the whole */
     Error unused;
     quiet.error = &unused;
-    const json_t *view;
+    const json_t *view = NULL;
     size_t offset, number;
     if (gltf_item(&quiet, holder, "bufferView", "bufferViews", &view) != STATUS_OK ||
         whole(&quiet, view, "byteOffset", 0, &offset) != STATUS_OK ||

@@ -52,7 +52,9 @@ static PictureWrap wrap_of(const Gltf *gltf, const json_t *texture)
     enum { CLAMP_TO_EDGE = 33071, MIRRORED_REPEAT = 33648 };
     const json_t *sampler = item_of(gltf, texture, "sampler", "samplers", NULL);
     json_int_t code = json_integer_value(json_object_get(sampler, "wrapS"));
-    return code == CLAMP_TO_EDGE ? PICTURE_WRAP_CLAMP : code == MIRRORED_REPEAT ? PICTURE_WRAP_MIRROR : PICTURE_WRAP_REPEAT;
+    return code == CLAMP_TO_EDGE     ? PICTURE_WRAP_CLAMP
+           : code == MIRRORED_REPEAT ? PICTURE_WRAP_MIRROR
+                                     : PICTURE_WRAP_REPEAT;
 }
 
 static void read_picture(const Gltf *gltf, const json_t *material, const MaterialRow *row, MeshMaterial *out)
@@ -92,7 +94,9 @@ static void list_material(const Gltf *gltf, const json_t *json, MeshSource *sour
         else
             read_fact(json, row, &material);
     }
+    memcpy(material.facts[FACT_FILTER], material.facts[FACT_BASE_COLOR], sizeof material.facts[FACT_FILTER]);
     const json_t *extensions = json_object_get(json, "extensions");
+    material.packed = true;
     material.unlit = json_object_get(extensions, "KHR_materials_unlit") != NULL;
     material.volume = json_object_get(extensions, "KHR_materials_volume") != NULL;
     const char *alpha = json_string_value(json_object_get(json, "alphaMode"));

@@ -222,19 +222,21 @@ static void add_run(MeshSource *source, const uint32_t *parts, size_t n, uint64_
     source->n_run_parts += n;
 }
 
-/* Bits of those items of what is asked for that mean: none of that kind. */
-static uint32_t asked_without(const MeshSource *source, const uint32_t *parts, size_t n)
+/* Whether it means what has none of a kind, and they have none. */
+static bool are_without(const MeshSource *source, const uint32_t *parts, size_t n, const char *asked)
 {
-    uint32_t bits = 0;
-    for (size_t i = 0; i < source->n_asked; i++) {
-        size_t length = strlen(source->asked[i]);
-        if (length == 0 || source->asked[i][length - 1] != ':') continue;
-        bool has_one = false;
-        for (size_t k = 0; k < n && !has_one; k++)
-            has_one = parts[k] != UINT32_MAX && behind_kind(source->asked[i], source->parts[parts[k]].kind);
-        if (!has_one) bits |= (uint32_t)1 << i;
-    }
-    return bits;
+    size_t length = strlen(asked);
+    if (length == 0 || asked[length - 1] != ':') return false;
+    for (size_t i = 0; i < n; i++)
+        if (parts[i] != UINT32_MAX && behind_kind(asked, source->parts[parts[i]].kind)) return false;
+    return true;
+}
+
+bool mesh_parts_are(const MeshSource *source, const uint32_t *parts, size_t n, const char *asked)
+{
+    for (size_t i = 0; i < n; i++)
+        if (parts[i] != UINT32_MAX && is_asked_for(&source->parts[parts[i]], asked)) return true;
+    return are_without(source, parts, n, asked);
 }
 
 bool mesh_source_wants(MeshSource *source, const uint32_t *parts, size_t n, uint64_t n_triangles)
@@ -248,7 +250,8 @@ bool mesh_source_wants(MeshSource *source, const uint32_t *parts, size_t n, uint
         source->parts[parts[i]].n_triangles += n_triangles;
         asked |= source->parts[parts[i]].asked;
     }
-    if (asked != all) asked |= asked_without(source, parts, n);
+    for (size_t i = 0; asked != all && i < source->n_asked; i++)
+        if (are_without(source, parts, n, source->asked[i])) asked |= (uint32_t)1 << i;
     if (asked != all) return false;
     if (source->whole) add_run(source, parts, n, n_triangles);
     return true;

@@ -118,6 +118,8 @@ void mesh_list_mtl(const char *obj_path, const char *name, MeshSource *source);
 /* Counts triangles that are of n parts (UINT32_MAX: none) and says whether they are wanted; they are then the next of the mesh.
  * source may be NULL. */
 bool mesh_source_wants(MeshSource *source, const uint32_t *parts, size_t n, uint64_t n_triangles);
+/* Whether triangles of n parts are meant by one item of what can be asked for. */
+bool mesh_parts_are(const MeshSource *source, const uint32_t *parts, size_t n, const char *asked);
 /* Why no triangle is left: no part of that name, one without triangles, or no faces at all. STATUS_INPUT. */
 ATTR_NODISCARD Status mesh_source_nothing(const MeshSource *source, const char *path, Error *error);
 

@@ -74,11 +74,9 @@ static void read_line(Library *library, Line word, Line rest)
 {
     const MaterialRow *row;
     MeshMaterial *material = &library->material;
+    if (is_word(word, "bump") || is_word(word, "map_bump")) word = (Line){"map_Bump", strchr("map_Bump", 0)};
     for (size_t i = 0; (row = material_row(i)) != NULL; i++) {
-        const char *other = row->is_picture && row->key == PICTURE_BUMP ? "bump" : "map_bump";
-        if (!row->statement ||
-            !(is_word(word, row->statement) || (row->key == PICTURE_BUMP && row->is_picture && is_word(word, other))))
-            continue;
+        if (!row->statement || !is_word(word, row->statement)) continue;
         if (!row->is_picture) {
             read_numbers(rest, row, material);
         } else if (!material->pictures[row->key].file) {
@@ -93,17 +91,65 @@ static void read_line(Library *library, Line word, Line rest)
     material->given |= (uint64_t)1 << FACT_OPACITY;
 }
 
-/* Of libraries that give a name twice, the first counts. */
+static double mean_of(const double numbers[3])
+{
+    return (numbers[0] + numbers[1] + numbers[2]) / 3;
+}
+
+/* How much goes through. The format has no word for it: it shows in the model of illumination, whose numbers 4, 6, 7 and 9 are of
+ * glass, or in an index beside an opacity below 1; Blender writes it as a grey filter. What is more clear than not is all clear. */
+static void find_transmission(const Library *library, MeshMaterial *material)
+{
+    double *transmission = material->facts[FACT_TRANSMISSION], opacity = material->facts[FACT_OPACITY][0];
+    int model = (int)fmin(fmax(material->facts[FACT_ILLUMINATION][0], 0), 99);
+    bool refracts = material_says(material, FACT_INDEX) && material->facts[FACT_INDEX][0] > 1.01;
+    if (library->by_blender && material_says(material, FACT_FILTER))
+        *transmission = mean_of(material->facts[FACT_FILTER]);
+    else if (model == 4 || model == 6 || model == 7 || model == 9)
+        *transmission = 1;
+    if (*transmission == 0 && opacity < 1 && refracts) *transmission = opacity <= 0.5 ? 1 : 1 - opacity;
+    *transmission = fmin(fmax(*transmission, 0), 1);
+    bool holes = opacity < 1 || picture_is_given(&material->pictures[PICTURE_OPACITY]);
+    if (holes && *transmission == 0) material->alpha = ALPHA_BLEND;
+}
+
+/* The colour of what is clear: the filter, else the base colour's hue, for its brightness is that of something opaque. */
+static void find_filter(const Library *library, MeshMaterial *material)
+{
+    double *filter = material->facts[FACT_FILTER];
+    const double *base = material->facts[FACT_BASE_COLOR];
+    double most = fmax(fmax(base[0], base[1]), base[2]);
+    if (!library->by_blender && material_says(material, FACT_FILTER) && mean_of(filter) > 0) return;
+    for (int i = 0; i < 3; i++) filter[i] = most > 0 ? base[i] / most : 1;
+}
+
+/* From Phong's exponent, whose usual range ends at 1000: that is meant as polished. */
+static void find_roughness(const Library *library, MeshMaterial *material)
+{
+    const double most = 1000;
+    double *roughness = material->facts[FACT_ROUGHNESS], shininess = fmax(material->facts[FACT_SHININESS][0], 0);
+    if (material_says(material, FACT_ROUGHNESS)) return;
+    if (!material_says(material, FACT_SHININESS))
+        *roughness = material->facts[FACT_TRANSMISSION][0] > 0 ? 0 : 0.5;
+    else if (shininess >= most)
+        *roughness = 0;
+    else
+        *roughness = library->by_blender ? 1 - sqrt(shininess / most) : pow(2 / (shininess + 2), 0.25);
+}
+
+/* What the material has besides what it says itself. Of libraries that give a name twice, the first counts. */
 static void end_material(Library *library)
 {
     MeshMaterial *material = &library->material;
     if (library->begun && material->name && !mesh_source_find_material(library->source, material->name)) {
+        find_transmission(library, material);
+        if (!material_says(material, FACT_BASE_COLOR))
+            for (int i = 0; i < 3; i++) material->facts[FACT_BASE_COLOR][i] = 0.8;
+        find_filter(library, material);
         if (!material_says(material, FACT_METAL)) material->facts[FACT_METAL][0] = 0;
-        if (!material_says(material, FACT_ROUGHNESS)) {
-            double shininess = fmax(material->facts[FACT_SHININESS][0], 0);
-            material->facts[FACT_ROUGHNESS][0] =
-                library->by_blender ? fmax(1 - sqrt(shininess / 1000), 0) : pow(2 / (shininess + 2), 0.25);
-        }
+        if (material_says(material, FACT_REFLECTION) && mean_of(material->facts[FACT_REFLECTION]) == 0)
+            material->facts[FACT_SPECULAR][0] = 0;
+        find_roughness(library, material);
         mesh_source_material(library->source, material);
     }
     material_clear(material);

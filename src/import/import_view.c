@@ -1,0 +1,249 @@
+/* import_view.c - lights and cameras of a scene from a mesh file: those of the file, or such as show what is there.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/angle.h"
+#include "import/import_parts.h"
+
+static const double azimuth = 30, elevation = 22, lens = 28; /* degrees: of the camera where the file has none */
+static const double film_shape = 4.0 / 3;
+
+static Vec3 to_scene(const Importer *im, const Affine *map, Vec3 p)
+{
+    return vec3_scale(affine_point(map, p), im->file_m / im->scene_m);
+}
+
+static Vec3 direction_of(const Affine *map, Vec3 d)
+{
+    return vec3_normalize(affine_vector(map, d));
+}
+
+static double size_of(Box3 box)
+{
+    Vec3 d = vec3_sub(box.max, box.min);
+    return double_max(double_max(d.x, d.y), d.z);
+}
+
+/* Not larger than a number, and of one digit: 1, 2 or 5. */
+static double round_down(double value)
+{
+    double power = pow(10, floor(log10(value))), digit = value / power;
+    return power * (digit >= 5 ? 5 : digit >= 2 ? 2 : 1);
+}
+
+/* ---- lights of the file ---- */
+
+/* Candela, and lux, are 683 lumen to the watt: so Blender exports them unless told otherwise. */
+static const double lumen_to_watt = 1.0 / 683;
+
+static void write_light(Importer *im, const MeshLight *light)
+{
+    static const char *const shapes[] = {"sphere", "disc", "distant"};
+    double watts = light->intensity * lumen_to_watt; /* per steradian, or square metre */
+    double radius = round_down(size_of(im->all) / 50);
+    Vec3 at = to_scene(im, &light->to_world, vec3(0, 0, 0)), along = direction_of(&light->to_world, vec3(0, 0, -1));
+    double away = size_of(im->all);
+    char *name = import_name(im, light->name, "lamp");
+    NodeText node = node_begin(im, "light", name);
+    node_word(&node, "shape", shapes[light->kind]);
+    if (light->kind == MESH_LIGHT_DISTANT) at = vec3_sub(box3_centre(im->shown), vec3_scale(along, 2 * away));
+    node_point(&node, "from", at);
+    if (light->kind == MESH_LIGHT_DISTANT)
+        node_point(&node, "to", box3_centre(im->shown));
+    else if (light->kind == MESH_LIGHT_SPOT)
+        node_point(&node, "to", vec3_add(at, vec3_scale(along, away)));
+    if (light->kind != MESH_LIGHT_DISTANT) add_coordinate(im, node_prop(&node, "radius"), radius);
+    if (light->kind == MESH_LIGHT_SPOT) {
+        double metres = radius * im->scene_m;
+        node_number(&node, "angle", double_min(2 * light->outer / MEN_DEGREE, 180));
+        node_number(&node, "blend", 1 - light->inner / light->outer);
+        node_number(&node, "radiance", watts / (MEN_PI * metres * metres));
+    } else {
+        node_number(&node, "power", light->kind == MESH_LIGHT_POINT ? 4 * MEN_PI * watts : watts);
+    }
+    if (light->color[0] != 1 || light->color[1] != 1 || light->color[2] != 1) node_color(&node, "color", light->color);
+    if (light->kind != MESH_LIGHT_DISTANT) node_word(&node, "visible", "false");
+    node_end(&node);
+    free(name);
+    im->out->n_lights++;
+}
+
+static bool any_shines(const Importer *im)
+{
+    for (size_t i = 0; i < im->n_items; i++)
+        if (im->items[i].material != IMPORT_NONE && import_shines(im->materials[im->items[i].material].said) &&
+            !import_is_filled(im, &im->items[i]))
+            return true;
+    return false;
+}
+
+/* ---- lights of the studio ---- */
+
+static double azimuth_of_view(const Importer *im)
+{
+    if (!im->source->n_cameras) return azimuth;
+    Vec3 along = direction_of(&im->source->cameras[0].to_world, vec3(0, 0, -1));
+    return fabs(along.x) + fabs(along.z) > 0.01 ? atan2(-along.x, -along.z) / MEN_DEGREE : azimuth;
+}
+
+static void write_studio(Importer *im)
+{
+    Box3 box = im->shown;
+    Vec3 foot = box3_centre(box);
+    foot.y = box.min.y;
+    double size = size_of(box);
+    if (im->dark && im->paper)
+        import_say(im, "The file has no light: paper and lights of the standard library, around what it shows.");
+    else if (im->dark)
+        import_say(im, "The file has no light: lights of the standard library, around what it shows.");
+    else
+        import_say(im, "Paper of the standard library, to stand on.");
+    import_write_comment(im);
+    buf_add(im->text, "group {");
+    if (im->paper) {
+        buf_add(im->text, "\n  studio.sweep(");
+        add_coordinate(im, im->text, size);
+        buf_add(im->text, ", ");
+        add_number(im->text, 1e-4 * size);
+        buf_add(im->text, ")");
+    }
+    if (im->dark) {
+        buf_add(im->text, "\n  studio.product_lights(");
+        add_coordinate(im, im->text, size);
+        buf_add(im->text, ")");
+    }
+    buf_add(im->text, "\n  rotate(y, ");
+    add_number(im->text, round(azimuth_of_view(im)));
+    buf_add(im->text, ")  translate(");
+    add_point(im, im->text, foot);
+    buf_add(im->text, ")\n}\n");
+}
+
+static bool has_floor(const Importer *im)
+{
+    for (size_t i = 0; i < im->n_items; i++)
+        if (im->items[i].is_floor) return true;
+    return false;
+}
+
+void import_choose_lights(Importer *im)
+{
+    ImportFloor floor = im->options->floor;
+    im->dark = im->source->n_lights == 0 && !any_shines(im);
+    im->paper = floor == FLOOR_ON || (floor == FLOOR_AUTO && im->dark && !has_floor(im));
+}
+
+void import_write_lights(Importer *im)
+{
+    const MeshSource *source = im->source;
+    import_begin_section(im, "Light");
+    if (source->n_lights)
+        import_say(im, "Strengths are taken as candela and lux of 683 lumen to the watt, as Blender exports them "
+                       "unless told otherwise, so that power is what it has there. Lights have a size here; theirs is "
+                       "a guess, which makes shadows softer where it is larger and leaves power as it is.");
+    import_write_comment(im);
+    for (size_t i = 0; i < source->n_lights; i++) write_light(im, &source->lights[i]);
+    if (im->dark || im->paper) write_studio(im);
+    if (!im->dark)
+        import_say(im,
+                   "A little light from all around, of which such a file says nothing: glass shows what is around it.");
+    NodeText around = node_begin(im, "environment", NULL);
+    node_number(&around, "color", im->dark ? 0.3 : 0.05);
+    node_end(&around);
+}
+
+/* ---- cameras ---- */
+
+/* The farthest that a direction goes to the side of the picture: a tangent. */
+typedef struct Frame {
+    double x, y;
+} Frame;
+
+/* How far from the middle of a box a camera that looks at it sees all of it, with some room around. */
+static double distance_to_see(Box3 box, Vec3 back, Vec3 right, Vec3 up, Frame frame)
+{
+    const double room = 0.85;
+    double distance = 0;
+    Vec3 middle = box3_centre(box);
+    for (int i = 0; i < 8; i++) {
+        Vec3 corner = vec3(i & 1 ? box.max.x : box.min.x, i & 2 ? box.max.y : box.min.y, i & 4 ? box.max.z : box.min.z);
+        Vec3 d = vec3_sub(corner, middle);
+        double nearer = vec3_dot(d, back);
+        distance = double_max(distance, nearer + fabs(vec3_dot(d, right)) / (frame.x * room));
+        distance = double_max(distance, nearer + fabs(vec3_dot(d, up)) / (frame.y * room));
+    }
+    return distance;
+}
+
+static void write_own_camera(Importer *im)
+{
+    double a = azimuth * MEN_DEGREE, e = elevation * MEN_DEGREE, half = tan(lens / 2 * MEN_DEGREE);
+    Vec3 back = vec3(cos(e) * sin(a), sin(e), cos(e) * cos(a)), right = vec3(cos(a), 0, -sin(a));
+    Vec3 up = vec3_cross(back, right), middle = box3_centre(im->shown);
+    double away = distance_to_see(im->shown, back, right, up, (Frame){half, half / film_shape});
+    NodeText node = node_begin(im, "camera", NULL);
+    import_say(im, "The file has no camera: this one sees all of it from above, to the right.");
+    node_point(&node, "from", vec3_add(middle, vec3_scale(back, away)));
+    node_point(&node, "to", middle);
+    node_number(&node, "fov", lens);
+    node_end(&node);
+}
+
+static double shape_of(const MeshCamera *camera)
+{
+    double shape = camera->width > 0 && camera->height > 0 ? camera->width / camera->height : film_shape;
+    return double_min(double_max(shape, 0.05), 20);
+}
+
+static void write_camera(Importer *im, const MeshCamera *camera)
+{
+    Vec3 from = to_scene(im, &camera->to_world, vec3(0, 0, 0)), along = direction_of(&camera->to_world, vec3(0, 0, -1));
+    Vec3 right = direction_of(&camera->to_world, vec3(1, 0, 0));
+    double away = vec3_dot(vec3_sub(box3_centre(im->shown), from), along);
+    if (!(away > 0)) away = size_of(im->all);
+    char *name = import_name(im, camera->name, "view");
+    NodeText node = node_begin(im, "camera", name);
+    if (camera->orthographic) node_word(&node, "projection", "orthographic");
+    node_point(&node, "from", from);
+    node_point(&node, "to", vec3_add(from, vec3_scale(along, away)));
+    if (fabs(right.y) > 1e-4 || fabs(along.y) > 0.999)
+        node_point(&node, "up",
+                   vec3_scale(direction_of(&camera->to_world, vec3(0, 1, 0)), round_down(size_of(im->all))));
+    if (camera->orthographic)
+        add_coordinate(im, node_prop(&node, "width"), camera->width * im->file_m / im->scene_m);
+    else
+        node_number(&node, "fov", 2 * atan(shape_of(camera) * tan(camera->fov_y / 2)) / MEN_DEGREE);
+    node_end(&node);
+    free(name);
+    im->out->n_cameras++;
+}
+
+void import_write_cameras(Importer *im)
+{
+    const MeshSource *source = im->source;
+    import_begin_section(im, "View");
+    if (source->n_cameras > 1)
+        import_say(im, "The picture is of the first of these cameras; --camera NAME takes another one.");
+    import_write_comment(im);
+    for (size_t i = 0; i < source->n_cameras; i++) write_camera(im, &source->cameras[i]);
+    if (!source->n_cameras) write_own_camera(im);
+    const double pixels = 640.0 * 480;
+    double shape = source->n_cameras ? shape_of(&source->cameras[0]) : film_shape, width = round(sqrt(pixels * shape));
+    NodeText film = node_begin(im, "film", NULL);
+    buf_format(node_prop(&film, "size"), "<%.0f, %.0f>", width, round(width / shape));
+    Buf name = {0}, *out = node_prop(&film, "output");
+    for (int i = 0; i < 2; i++) {
+        buf_clear(&name);
+        buf_format(&name, "%s.%s", im->options->stem, i ? "png" : "exr");
+        buf_add(out, i ? ", " : "[");
+        add_string(out, buf_text(&name));
+    }
+    buf_clear(&name);
+    buf_add(out, "]");
+    node_end(&film);
+    NodeText render = node_begin(im, "render", NULL);
+    node_number(&render, "samples", 256);
+    node_end(&render);
+}
