@@ -206,37 +206,54 @@ static Status look_at_outputs(Importing *importing, Error *error)
     return STATUS_OK;
 }
 
-static Status write_all(const Importing *importing, Error *error)
+/* What was written is added to *written, with commas. */
+static Status write_all(const Importing *importing, Buf *written, Error *error)
 {
     const Import *import = &importing->import;
+    bool printed = strcmp(importing->scene, "-") == 0;
     for (size_t i = 0; i < import->n_pictures; i++) {
         const ImportPicture *picture = &import->pictures[i];
         if (importing->is_written[i]) continue;
         char *path = joined(importing->scene_folder, picture->name);
         if (!path) return fail_memory(error, strlen(picture->name), "the name of a picture");
         Status status = file_write(path, picture->bytes, picture->length, error);
-        if (status == STATUS_OK && !importing->talk->quiet) talk_event(importing->talk, "picture", "wrote %s", path);
+        buf_format(written, "%s%s", written->length ? ", " : "", path);
         free(path);
         TRY(status);
     }
-    if (strcmp(importing->scene, "-") == 0) return print_out(&importing->text, error);
+    if (printed) return print_out(&importing->text, error);
+    buf_format(written, "%s%s", written->length ? " and " : "", importing->scene);
     return file_write(importing->scene, buf_text(&importing->text), importing->text.length, error);
 }
 
-static void report(const Importing *importing)
+/* Number and noun. */
+static void add_count(Buf *line, size_t n, const char *one, const char *several)
+{
+    if (n) buf_format(line, "%s%zu %s", line->length ? ", " : "", n, n == 1 ? one : several);
+}
+
+static void report(const Importing *importing, const Buf *written)
 {
     const Import *import = &importing->import;
     const Talk *talk = importing->talk;
+    bool printed = strcmp(importing->scene, "-") == 0;
     size_t shown = import->n_notes <= MOST_NOTES ? import->n_notes : MOST_NOTES;
     for (size_t i = 0; i < shown; i++) talk_warning(talk, "%s", import->notes[i]);
     if (shown < import->n_notes)
         talk_warning(talk, "and %zu more, which comments of the scene tell", import->n_notes - shown);
-    if (strcmp(importing->scene, "-") == 0 || talk->quiet) return;
-    talk_event(talk, "done",
-               "wrote %s: %zu object%s, %zu medi%s, %zu surface%s, %zu light%s, %zu camera%s; to see it: meniscus %s",
-               importing->scene, import->n_objects, plural(import->n_objects), import->n_media,
-               import->n_media == 1 ? "um" : "a", import->n_surfaces, plural(import->n_surfaces), import->n_lights,
-               plural(import->n_lights), import->n_cameras, plural(import->n_cameras), importing->scene);
+    if (!written->length || talk->quiet) return;
+    Buf counts = {0};
+    add_count(&counts, import->n_objects, "object", "objects");
+    add_count(&counts, import->n_media, "medium", "media");
+    add_count(&counts, import->n_surfaces, "surface", "surfaces");
+    add_count(&counts, import->n_lights, "light", "lights");
+    add_count(&counts, import->n_cameras, "camera", "cameras");
+    if (printed)
+        talk_event(talk, "done", "wrote %s", buf_text(written));
+    else
+        talk_event(talk, "done", "wrote %s: %s; to see it: meniscus %s", buf_text(written), buf_text(&counts),
+                   importing->scene);
+    buf_clear(&counts);
 }
 
 static void importing_clear(Importing *importing)
@@ -267,8 +284,10 @@ Status cmd_import(const Options *options, const Talk *talk, Error *error)
     }
     if (status == STATUS_OK) status = format(&importing, error);
     if (status == STATUS_OK) status = look_at_outputs(&importing, error);
-    if (status == STATUS_OK) status = write_all(&importing, error);
-    if (status == STATUS_OK) report(&importing);
+    Buf written = {0};
+    if (status == STATUS_OK) status = write_all(&importing, &written, error);
+    if (status == STATUS_OK) report(&importing, &written);
+    buf_clear(&written);
     importing_clear(&importing);
     return status;
 }

@@ -125,7 +125,7 @@ void import_write_boundary(Importer *im, const ImportMaterial *material);
 /* How much of the light that is not mirrored goes through; said may be NULL. */
 double import_transmission(const MeshMaterial *said);
 double import_index(const MeshMaterial *said);
-/* Whether it gives off light. */
+/* Whether it gives off light for others, too. */
 bool import_shines(const MeshMaterial *said);
 
 /* import_pictures.c: a texture as a value of the language, malloc'd; NULL where the picture cannot be taken, which is noted.

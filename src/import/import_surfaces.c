@@ -148,7 +148,7 @@ static double brightness(const MeshMaterial *said)
 
 bool import_shines(const MeshMaterial *said)
 {
-    return said && (said->unlit || brightness(said) > 0);
+    return said && !said->unlit && brightness(said) > 0;
 }
 
 static void add_emission(NodeText *node, const MeshMaterial *said)

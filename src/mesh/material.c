@@ -48,7 +48,7 @@ void material_set(MeshMaterial *material, const MaterialRow *row, const double *
 static bool is_worth_telling(const MeshMaterial *material, const MaterialRow *row)
 {
     if (row->is_picture) return picture_is_given(&material->pictures[row->key]);
-    if (!material_says(material, (MaterialFact)row->key)) return false;
+    if (!row->what || !material_says(material, (MaterialFact)row->key)) return false;
     return row->key != FACT_OPACITY || material->facts[FACT_OPACITY][0] < 1;
 }
 

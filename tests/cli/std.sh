@@ -58,6 +58,7 @@ group { shapes.scatter(3, 90mm, 4) { ball { } }  translate(<9 * 30cm, 0, 40cm>) 
 studio.sweep()
 group { studio.table()  translate(<0, -1m, 2m>) }
 studio.light_tent()
+studio.product_lights()
 studio.product_camera()
 studio.top_camera()
 studio.hero_camera()
