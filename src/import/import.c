@@ -175,7 +175,7 @@ static void say_what_it_could_be(Importer *im)
 static void write_text(Importer *im)
 {
     if (im->n_items > 1) {
-        char *name = import_name(im, "model", "file");
+        char *name = import_name(im, "model", "model", "file");
         if (name && strlen(name) < sizeof im->model) memcpy(im->model, name, strlen(name) + 1);
         free(name);
     }
@@ -184,7 +184,7 @@ static void write_text(Importer *im)
     import_choose_lights(im);
     for (size_t i = 0; i < im->n_items; i++) {
         const char *called = *im->items[i].called ? im->items[i].called : im->options->stem;
-        im->items[i].name = import_name(im, called, "object");
+        im->items[i].name = import_name(im, called, "object", "object");
     }
     write_head(im);
     import_write_materials(im);

@@ -280,6 +280,16 @@ static bool is_exact(const Importer *im, const Asked *asked, const ImportItem *i
     return asked->n > 0;
 }
 
+/* The object alone, by its number. */
+static bool try_number(const Importer *im, const ImportItem *item, uint32_t owner, Asked *asked)
+{
+    char number[24];
+    asked_clear(asked);
+    snprintf(number, sizeof number, "#%zu", im->source->parts[owner].number);
+    ask(asked, im->source->parts[owner].kind, number);
+    return is_exact(im, asked, item);
+}
+
 static bool try_names(const Importer *im, const ImportItem *item, uint32_t owner, uint32_t material, bool kinds,
                       Asked *asked)
 {
@@ -317,7 +327,8 @@ void import_ask_for(const Importer *im, const ImportItem *item, Buf *out)
         !im->by_material && ((owner != IMPORT_NONE && try_names(im, item, owner, IMPORT_NONE, false, &asked)) ||
                              try_names(im, item, owner, material, false, &asked) ||
                              (owner != IMPORT_NONE && try_names(im, item, owner, IMPORT_NONE, true, &asked)) ||
-                             try_names(im, item, owner, material, true, &asked));
+                             try_names(im, item, owner, material, true, &asked) ||
+                             (owner != IMPORT_NONE && try_number(im, item, owner, &asked)));
     if (im->by_material && material != IMPORT_NONE) found = try_names(im, item, owner, material, true, &asked);
     if (!found) ask_numbers(im, item, &asked);
     buf_add(out, asked.n > 1 ? "[" : "");

@@ -7,11 +7,16 @@
 
 #include "import/import_parts.h"
 
+double import_fraction(const MeshMaterial *said, MaterialFact fact)
+{
+    return double_min(double_max(said->facts[fact][0], 0), 1);
+}
+
 double import_transmission(const MeshMaterial *said)
 {
     if (!said || said->unlit) return 0;
-    double part = said->facts[FACT_TRANSMISSION][0] * (1 - said->facts[FACT_METAL][0]);
-    return part < 0.005 ? 0 : double_min(part, 1);
+    double part = import_fraction(said, FACT_TRANSMISSION) * (1 - import_fraction(said, FACT_METAL));
+    return part < 0.005 ? 0 : part;
 }
 
 double import_index(const MeshMaterial *said)
@@ -55,19 +60,19 @@ void import_prepare_materials(Importer *im)
     for (size_t i = 0; i < im->n_items; i++) {
         const ImportItem *item = &im->items[i];
         ImportMaterial *material = material_of(im, item);
-        const char *called = !material->said ? "plain" : *material->said->name ? material->said->name : "material";
+        const char *called = material->said ? material->said->name : "plain";
         if (import_is_filled(im, item)) {
             double chord = item->area > 0 ? 4 * item->volume / item->area * im->file_m : 0;
             material->chord_m = double_max(material->chord_m, chord);
-            if (!material->medium) material->medium = import_name(im, called, "medium");
+            if (!material->medium) material->medium = import_name(im, called, "material", "medium");
             if (!material->boundary && has_boundary(material->said)) {
                 Buf name = {0};
                 buf_format(&name, "%s_boundary", material->medium ? material->medium : "");
-                material->boundary = import_name(im, buf_text(&name), "surface");
+                material->boundary = import_name(im, buf_text(&name), "boundary", "surface");
                 buf_clear(&name);
             }
         } else if (!material->surface) {
-            material->surface = import_name(im, called, "surface");
+            material->surface = import_name(im, called, "material", "surface");
         }
     }
 }
@@ -115,7 +120,8 @@ static const char *state_of(const MeshMaterial *said)
     return index > 1.325 && index < 1.345 ? "liquid" : "solid";
 }
 
-/* Cauchy's two numbers for an index in yellow light and Abbe's number, of which KHR_materials_dispersion has 20 over it. */
+/* Cauchy's two numbers for an index in yellow light and Abbe's number, of which KHR_materials_dispersion has 20 over it; nothing has
+ * less than 10. */
 static void add_index(NodeText *node, const MeshMaterial *said)
 {
     const double d = 0.58756, f = 0.48613, c = 0.65627; /* micrometres */
@@ -125,7 +131,7 @@ static void add_index(NodeText *node, const MeshMaterial *said)
         add_number(out, index);
         return;
     }
-    double spread = (index - 1) * double_min(dispersion, 20) / 20, b = spread / (1 / (f * f) - 1 / (c * c));
+    double spread = (index - 1) * double_min(dispersion, 2) / 20, b = spread / (1 / (f * f) - 1 / (c * c));
     buf_add(out, "cauchy(");
     add_number(out, index - b / (d * d));
     buf_add(out, ", ");

@@ -62,6 +62,7 @@ typedef struct Importer {
     const char *owner;   /* the name of the surface that is written */
     Buf lets;            /* values that have names, for before the next node */
     bool failed;         /* memory ended */
+    double exposure;     /* stops, where the lights of the file are far from what a picture needs */
     bool dark, paper;    /* there are to be lights of the studio, and its floor */
     char model[32];      /* the name of the file's name; "": it is written out */
     bool by_material;    /* there are too many objects, and those of one material are one */
@@ -76,9 +77,10 @@ typedef struct NodeText {
     bool value; /* it is one, and stays on its line */
 } NodeText;
 
-/* A name of the scene like that of the file: new, and none of the language's words. malloc'd. kind: what has it, which
- * is put behind it where something else has the name already, or before it where it begins with no letter. */
-char *import_name(Importer *im, const char *called, const char *kind);
+/* A name of the scene like that of the file: new, and none of the language's words. malloc'd. unspelt: for what
+ * has no letters. kind: what has it, which is put behind it where something else has the name already, or before it where it begins
+ * with no letter. */
+char *import_name(Importer *im, const char *called, const char *unspelt, const char *kind);
 /* A node, whose properties follow; name may be NULL. */
 NodeText node_begin(Importer *im, const char *type, const char *name);
 /* The next property: its value is to be added to what is returned. */
@@ -122,6 +124,8 @@ void import_add_matter(const Importer *im, const ImportItem *item, NodeText *nod
 void import_write_materials(Importer *im);
 void import_write_surface(Importer *im, const ImportMaterial *material);
 void import_write_boundary(Importer *im, const ImportMaterial *material);
+/* Held to 0..1. */
+double import_fraction(const MeshMaterial *said, MaterialFact fact);
 /* How much of the light that is not mirrored goes through; said may be NULL. */
 double import_transmission(const MeshMaterial *said);
 double import_index(const MeshMaterial *said);

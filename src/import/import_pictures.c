@@ -163,7 +163,7 @@ static char *named(Importer *im, const char *key, const Buf *text, const Buf *tr
 {
     Buf called = {0};
     buf_format(&called, "%s %s", im->owner, key);
-    char *name = import_name(im, buf_text(&called), "texture");
+    char *name = import_name(im, buf_text(&called), key, "texture");
     buf_format(&im->lets, "let %s = %s%s%s }\n", name ? name : "", buf_text(text), transform->length ? "\n " : "",
                buf_text(transform));
     buf_clear(&called);

@@ -6,11 +6,6 @@
 
 #include "import/import_parts.h"
 
-static double fraction(const MeshMaterial *said, MaterialFact fact)
-{
-    return double_min(double_max(said->facts[fact][0], 0), 1);
-}
-
 static void fractions(const double from[3], double to[3])
 {
     for (int i = 0; i < 3; i++) to[i] = double_min(double_max(from[i], 0), 1);
@@ -29,11 +24,10 @@ static bool has_picture(const MeshMaterial *said, MaterialPicture picture)
 /* ---- parts ---- */
 
 /* A number that may be a picture: one channel of it, times the number. Nothing where it is what it is anyway. */
-static void add_fraction(NodeText *node, const MeshMaterial *said, const char *key, MaterialFact fact,
+static void add_fraction(NodeText *node, const MeshMaterial *said, const char *key, double value,
                          MaterialPicture picture, const char *channel, double anyway)
 {
     Importer *im = node->im;
-    double value = fraction(said, fact);
     Buf props = {0};
     if (has_picture(said, picture)) {
         if (channel) buf_format(&props, "  channel = %s", channel);
@@ -106,7 +100,7 @@ static void add_relief(NodeText *node, const MeshMaterial *said)
 static void add_skin(NodeText *node, const MeshMaterial *said, bool metal)
 {
     Importer *im = node->im;
-    double specular = fraction(said, FACT_SPECULAR);
+    double specular = import_fraction(said, FACT_SPECULAR);
     const double *color = said->facts[FACT_SPECULAR_COLOR];
     bool skin = specular > 0 && largest(color) > 0;
     if (skin && !metal) node_number(node, "ior", import_index(said));
@@ -114,8 +108,9 @@ static void add_skin(NodeText *node, const MeshMaterial *said, bool metal)
     if (!metal && skin && (fabs(color[0] - color[1]) > 0.02 || fabs(color[1] - color[2]) > 0.02))
         import_note(im, "the colour of what its skin mirrors is not taken");
     if (skin || metal)
-        add_fraction(node, said, "roughness", FACT_ROUGHNESS, PICTURE_ROUGHNESS, said->packed ? "green" : NULL, 0);
-    double anisotropy = fraction(said, FACT_ANISOTROPY);
+        add_fraction(node, said, "roughness", import_fraction(said, FACT_ROUGHNESS), PICTURE_ROUGHNESS,
+                     said->packed ? "green" : NULL, 0);
+    double anisotropy = import_fraction(said, FACT_ANISOTROPY);
     if (anisotropy > 0 && (skin || metal)) {
         node_number(node, "anisotropy", anisotropy);
         import_say(im, "How its scratches run is for you to say: grain = around, x, y or z.");
@@ -124,10 +119,11 @@ static void add_skin(NodeText *node, const MeshMaterial *said, bool metal)
 
 static void add_layers(NodeText *node, const MeshMaterial *said)
 {
-    double coat = fraction(said, FACT_COAT), sheen = largest(said->facts[FACT_SHEEN_COLOR]);
+    double coat = import_fraction(said, FACT_COAT), sheen = largest(said->facts[FACT_SHEEN_COLOR]);
     if (coat > 0) {
-        add_fraction(node, said, "coat", FACT_COAT, PICTURE_COAT, "red", 0);
-        add_fraction(node, said, "coat_roughness", FACT_COAT_ROUGHNESS, PICTURE_COAT_ROUGHNESS, "green", 0);
+        add_fraction(node, said, "coat", import_fraction(said, FACT_COAT), PICTURE_COAT, "red", 0);
+        add_fraction(node, said, "coat_roughness", import_fraction(said, FACT_COAT_ROUGHNESS), PICTURE_COAT_ROUGHNESS,
+                     "green", 0);
         if (has_picture(said, PICTURE_COAT_NORMAL))
             import_note(node->im, "the coat has no relief of its own: its picture of normals is not taken");
     }
@@ -136,7 +132,7 @@ static void add_layers(NodeText *node, const MeshMaterial *said)
         for (int i = 0; i < 3; i++) color[i] = double_max(said->facts[FACT_SHEEN_COLOR][i], 0) / sheen;
         node_number(node, "fuzz", double_min(sheen, 1));
         if (color[0] < 1 || color[1] < 1 || color[2] < 1) node_color(node, "fuzz_color", color);
-        node_number(node, "fuzz_roughness", fraction(said, FACT_SHEEN_ROUGHNESS));
+        node_number(node, "fuzz_roughness", import_fraction(said, FACT_SHEEN_ROUGHNESS));
     }
 }
 
@@ -177,7 +173,7 @@ static void add_emission(NodeText *node, const MeshMaterial *said)
 /* What has no place in a surface, so that nobody waits for it in the picture. */
 static void note_left_out(Importer *im, const MeshMaterial *said, bool thin)
 {
-    if (fraction(said, FACT_FILM) > 0 && !thin)
+    if (import_fraction(said, FACT_FILM) > 0 && !thin)
         import_note(im, "light interferes in thin surfaces only: its iridescence is not taken");
     static const struct {
         MaterialPicture picture;
@@ -196,18 +192,21 @@ static void note_left_out(Importer *im, const MeshMaterial *said, bool thin)
 /* A pane, which light goes through, or a leaf. */
 static void add_thin(NodeText *node, const MeshMaterial *said)
 {
-    double tint[3], translucency = fraction(said, FACT_TRANSLUCENCY), clear = import_transmission(said);
+    double tint[3], translucency = import_fraction(said, FACT_TRANSLUCENCY), clear = import_transmission(said);
     fractions(said->facts[FACT_FILTER], tint);
     node_word(node, "thin", "true");
     if (clear < 1) add_albedo(node, said, "albedo");
     if (clear > 0) {
         node_number(node, "ior", import_index(said));
-        add_fraction(node, said, "transmission", FACT_TRANSMISSION, PICTURE_TRANSMISSION, "red", 0);
+        add_fraction(node, said, "transmission", import_transmission(said), PICTURE_TRANSMISSION, "red", 0);
         if (tint[0] < 1 || tint[1] < 1 || tint[2] < 1) node_color(node, "tint", tint);
-        add_fraction(node, said, "roughness", FACT_ROUGHNESS, PICTURE_ROUGHNESS, said->packed ? "green" : NULL, 0);
+        add_fraction(node, said, "roughness", import_fraction(said, FACT_ROUGHNESS), PICTURE_ROUGHNESS,
+                     said->packed ? "green" : NULL, 0);
     }
-    if (translucency > 0) add_fraction(node, said, "translucency", FACT_TRANSLUCENCY, PICTURE_TRANSLUCENCY, "alpha", 0);
-    if (fraction(said, FACT_FILM) > 0 && clear > 0) {
+    if (translucency > 0)
+        add_fraction(node, said, "translucency", import_fraction(said, FACT_TRANSLUCENCY), PICTURE_TRANSLUCENCY,
+                     "alpha", 0);
+    if (import_fraction(said, FACT_FILM) > 0 && clear > 0) {
         double thickness = double_min(double_max(said->facts[FACT_FILM_THICKNESS][0], 0), 40000);
         Buf *out = node_prop(node, "film");
         add_number(out, thickness);
@@ -217,14 +216,14 @@ static void add_thin(NodeText *node, const MeshMaterial *said)
 
 static void add_opaque(NodeText *node, const MeshMaterial *said)
 {
-    double metal = fraction(said, FACT_METAL);
+    double metal = import_fraction(said, FACT_METAL);
     bool picture =
         has_picture(said, PICTURE_METAL) || (has_picture(said, PICTURE_ROUGHNESS) && metal > 0 && said->packed);
     add_albedo(node, said, "albedo");
     if (picture) {
         bool own = has_picture(said, PICTURE_METAL);
-        add_fraction(node, said, "metalness", FACT_METAL, own ? PICTURE_METAL : PICTURE_ROUGHNESS, own ? NULL : "blue",
-                     0);
+        add_fraction(node, said, "metalness", import_fraction(said, FACT_METAL),
+                     own ? PICTURE_METAL : PICTURE_ROUGHNESS, own ? NULL : "blue", 0);
     } else if (metal > 0) {
         node_number(node, "metalness", metal);
     }
@@ -253,7 +252,7 @@ static void add_cover(NodeText *node, const ImportMaterial *material)
 /* Where a mask or an opacity below 1 makes holes: which part of it is there. false: all of it. */
 static bool opacity_of(Importer *im, const MeshMaterial *said, Buf *out)
 {
-    double opacity = fraction(said, FACT_OPACITY), cutoff = fraction(said, FACT_CUTOFF);
+    double opacity = import_fraction(said, FACT_OPACITY), cutoff = import_fraction(said, FACT_CUTOFF);
     bool of_mtl = has_picture(said, PICTURE_OPACITY), masks = said->alpha == ALPHA_MASK;
     const MeshPicture *picture = &said->pictures[of_mtl ? PICTURE_OPACITY : PICTURE_BASE_COLOR];
     if (said->alpha == ALPHA_OPAQUE) return false;
@@ -326,11 +325,12 @@ void import_write_boundary(Importer *im, const ImportMaterial *material)
     bool painted = import_transmission(said) < 1 || has_picture(said, PICTURE_TRANSMISSION);
     if (painted) {
         import_say(im, "What is not clear of %s is painted.", material->medium);
-        add_fraction(&node, said, "transmission", FACT_TRANSMISSION, PICTURE_TRANSMISSION, "red", 1);
+        add_fraction(&node, said, "transmission", import_transmission(said), PICTURE_TRANSMISSION, "red", 1);
         add_albedo(&node, said, "albedo");
         node_number(&node, "ior", import_index(said));
     }
-    add_fraction(&node, said, "roughness", FACT_ROUGHNESS, PICTURE_ROUGHNESS, said->packed ? "green" : NULL, 0);
+    add_fraction(&node, said, "roughness", import_fraction(said, FACT_ROUGHNESS), PICTURE_ROUGHNESS,
+                 said->packed ? "green" : NULL, 0);
     add_relief(&node, said);
     node_end(&node);
     im->out->n_surfaces++;

@@ -49,33 +49,39 @@ static const char *taken_by(const Importer *im, const char *name)
     return is_word_of_language(name) ? "" : NULL;
 }
 
-/* Letters, digits and single underscores, lower case: "Green Glass.001" is green_glass_001. Letters of other scripts are left out,
- * for they could not be typed by everybody. */
+/* Letters of any script, digits and single underscores, lower case as far as ASCII goes: "Green Glass.001" is green_glass_001. */
 static void spell(const char *called, char name[LONGEST_NAME + 1])
 {
-    size_t n = 0;
-    for (const char *c = called; *c && n < LONGEST_NAME; c++) {
-        bool fits = isalnum((unsigned char)*c) && (unsigned char)*c < 0x80;
-        if (fits)
-            name[n++] = (char)tolower((unsigned char)*c);
+    size_t n = 0, length = strlen(called);
+    for (size_t at = 0; at < length;) {
+        uint32_t code;
+        size_t size = utf8_decode(called + at, length - at, &code);
+        bool plain = code < 0x80 && isalnum((int)code), letter = code >= 0x80 && lexer_is_letter(code);
+        if (n + size > LONGEST_NAME) break;
+        if (letter) memcpy(name + n, called + at, size);
+        if (plain) name[n] = (char)tolower((int)code);
+        if (letter || plain)
+            n += size;
         else if (n > 0 && name[n - 1] != '_')
             name[n++] = '_';
+        at += size;
     }
     while (n > 0 && name[n - 1] == '_') n--;
     name[n] = 0;
 }
 
-char *import_name(Importer *im, const char *called, const char *kind)
+char *import_name(Importer *im, const char *called, const char *unspelt, const char *kind)
 {
     char stem[LONGEST_NAME + 1], name[2 * LONGEST_NAME + 24], first[2 * LONGEST_NAME];
     spell(called, stem);
-    if (*stem && !isdigit((unsigned char)*stem))
+    if (!*stem) snprintf(stem, sizeof stem, "%s", unspelt);
+    if (!isdigit((unsigned char)*stem))
         snprintf(first, sizeof first, "%s", stem);
     else
-        snprintf(first, sizeof first, "%s%s%s", kind, *stem ? "_" : "", stem);
+        snprintf(first, sizeof first, "%s_%s", kind, stem);
     snprintf(name, sizeof name, "%s", first);
     const char *other = taken_by(im, name);
-    if (other && *stem && strcmp(other, kind) != 0) {
+    if (other && strcmp(other, kind) != 0) {
         snprintf(first, sizeof first, "%s_%s", stem, kind);
         snprintf(name, sizeof name, "%s", first);
     }

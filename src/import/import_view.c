@@ -45,7 +45,7 @@ static void write_light(Importer *im, const MeshLight *light)
     double radius = round_down(size_of(im->all) / 50);
     Vec3 at = to_scene(im, &light->to_world, vec3(0, 0, 0)), along = direction_of(&light->to_world, vec3(0, 0, -1));
     double away = size_of(im->all);
-    char *name = import_name(im, light->name, "lamp");
+    char *name = import_name(im, light->name, "lamp", "lamp");
     NodeText node = node_begin(im, "light", name);
     node_word(&node, "shape", shapes[light->kind]);
     if (light->kind == MESH_LIGHT_DISTANT) at = vec3_sub(box3_centre(im->shown), vec3_scale(along, 2 * away));
@@ -68,6 +68,36 @@ static void write_light(Importer *im, const MeshLight *light)
     node_end(&node);
     free(name);
     im->out->n_lights++;
+}
+
+/* What falls on a square metre in the middle of what is shown, if nothing is in the way: W/m2. */
+static double irradiance(const Importer *im)
+{
+    double sum = 0;
+    for (size_t i = 0; i < im->source->n_lights; i++) {
+        const MeshLight *light = &im->source->lights[i];
+        double watts = light->intensity * lumen_to_watt;
+        Vec3 along = direction_of(&light->to_world, vec3(0, 0, -1));
+        Vec3 way = vec3_sub(box3_centre(im->shown), to_scene(im, &light->to_world, vec3(0, 0, 0)));
+        double away = vec3_length(way) * im->scene_m;
+        bool aside = light->kind == MESH_LIGHT_SPOT && vec3_dot(vec3_normalize(way), along) < cos(light->outer);
+        if (light->kind == MESH_LIGHT_DISTANT)
+            sum += watts;
+        else if (away > 0 && !aside)
+            sum += watts / (away * away);
+    }
+    return sum;
+}
+
+/* Stops by which the picture is to be brighter: none where what is white comes out somewhere between an eighth and eight, as it does
+ * of Blender's watts; other programs have lamps of some candela and look at them for longer. */
+static double choose_exposure(const Importer *im)
+{
+    const double wanted = 2; /* W/m2, of which white looks like 0.6 */
+    double there = irradiance(im);
+    if (!(there > 0) || !isfinite(there)) return 0;
+    double stops = round(log2(wanted / there));
+    return fabs(stops) <= 3 ? 0 : double_min(double_max(stops, -50), 50);
 }
 
 static bool any_shines(const Importer *im)
@@ -131,6 +161,7 @@ static bool has_floor(const Importer *im)
 void import_choose_lights(Importer *im)
 {
     ImportFloor floor = im->options->floor;
+    im->exposure = choose_exposure(im);
     im->dark = im->source->n_lights == 0 && !any_shines(im);
     im->paper = floor == FLOOR_ON || (floor == FLOOR_AUTO && im->dark && !has_floor(im));
 }
@@ -150,7 +181,7 @@ void import_write_lights(Importer *im)
         import_say(im,
                    "A little light from all around, of which such a file says nothing: glass shows what is around it.");
     NodeText around = node_begin(im, "environment", NULL);
-    node_number(&around, "color", im->dark ? 0.3 : im->source->n_lights ? 0.05 : 0.2);
+    node_number(&around, "color", im->dark ? 0.3 : source->n_lights ? 0.05 * pow(2, -im->exposure) : 0.2);
     node_end(&around);
 }
 
@@ -203,7 +234,7 @@ static void write_camera(Importer *im, const MeshCamera *camera)
     Vec3 right = direction_of(&camera->to_world, vec3(1, 0, 0));
     double away = vec3_dot(vec3_sub(box3_centre(im->shown), from), along);
     if (!(away > 0)) away = size_of(im->all);
-    char *name = import_name(im, camera->name, "view");
+    char *name = import_name(im, camera->name, "view", "view");
     NodeText node = node_begin(im, "camera", name);
     if (camera->orthographic) node_word(&node, "projection", "orthographic");
     node_point(&node, "from", from);
@@ -232,6 +263,11 @@ void import_write_cameras(Importer *im)
     const double pixels = 640.0 * 480;
     double shape = source->n_cameras ? shape_of(&source->cameras[0]) : film_shape, width = round(sqrt(pixels * shape));
     NodeText film = node_begin(im, "film", NULL);
+    if (im->exposure != 0) {
+        import_note(im, "its lights are %s for a picture as they are: exposure makes up for that",
+                    im->exposure > 0 ? "too dim" : "too bright");
+        node_number(&film, "exposure", im->exposure);
+    }
     buf_format(node_prop(&film, "size"), "<%.0f, %.0f>", width, round(width / shape));
     Buf name = {0}, *out = node_prop(&film, "output");
     for (int i = 0; i < 2; i++) {

@@ -160,7 +160,7 @@ static unsigned class_of(char character)
 
 /* Beyond ASCII every letter of every script may stand in a name, so whatever is no blank, punctuation or control is
  * taken for one: a table of all scripts would say no more to a reader of a message. */
-static bool is_letter_code(uint32_t code)
+bool lexer_is_letter(uint32_t code)
 {
     if (code == UTF8_INVALID || code < 0xc0) return code == 0xaa || code == 0xb5 || code == 0xba;
     return !(code == 0xd7 || code == 0xf7 || (code >= 0x2000 && code <= 0x2bff) || (code >= 0x2e00 && code <= 0x2e7f) ||
@@ -248,7 +248,7 @@ static uint32_t name_end(const Lexer *lexer, uint32_t begin)
         } else if (class == CLASS_HIGH) {
             uint32_t code;
             size_t n = utf8_decode(lexer->text + at, lexer->length - at, &code);
-            if (!is_letter_code(code)) return at;
+            if (!lexer_is_letter(code)) return at;
             at += (uint32_t)n;
         } else {
             return at;

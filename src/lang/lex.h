@@ -52,6 +52,8 @@ typedef struct Lexer {
 } Lexer;
 
 void lexer_init(Lexer *lexer, Diag *diag, SymbolTable *symbols, uint32_t source);
+/* Whether a name may have it, beyond ASCII. */
+bool lexer_is_letter(uint32_t code);
 /* The next token; TOKEN_END for ever at the end. */
 Token lexer_next(Lexer *lexer);
 

@@ -122,6 +122,13 @@ static size_t triangles_of(const Primitive *primitive)
     return primitive->n_corners < 3 ? 0 : primitive->n_corners - 2;
 }
 
+/* How many corners it says that it has. */
+static Status count_corners(const Gltf *gltf, const json_t *json, Primitive *primitive)
+{
+    if (json_object_get(json, "indices")) return gltf_count_items(gltf, json, "indices", &primitive->n_corners);
+    return gltf_count_items(gltf, json_object_get(json, "attributes"), "POSITION", &primitive->n_corners);
+}
+
 /* The corners of a triangle, as numbers of vertices. */
 static void triangle_of(const Primitive *primitive, size_t i, uint32_t corners[3])
 {
@@ -212,14 +219,13 @@ static Status add_primitive(Walk *walk, const json_t *json, uint32_t depth, cons
     walk->parts[depth + 1] = part_of(walk, "material", number_of(json, "material"), material);
     const json_t *attributes = json_object_get(json, "attributes");
     if (walk->source && json_object_get(attributes, "COLOR_0")) walk->source->vertex_colors = true;
+    TRY(count_corners(gltf, json, &primitive));
+    size_t n = triangles_of(&primitive);
+    if (n == 0 || !mesh_source_wants(walk->source, walk->parts, depth + 2, n)) return STATUS_OK; /* unread */
+    if (n > MAX_TRIANGLES || walk->n_triangles + n > MAX_TRIANGLES)
+        return gltf_fail(gltf, "more than %d triangles", MAX_TRIANGLES);
     Status status = read_primitive(gltf, json, &primitive);
-    size_t n = status == STATUS_OK ? triangles_of(&primitive) : 0;
-    if (n > 0 && mesh_source_wants(walk->source, walk->parts, depth + 2, n)) {
-        if (walk->n_triangles + n > MAX_TRIANGLES)
-            status = gltf_fail(gltf, "more than %d triangles", MAX_TRIANGLES);
-        else
-            status = keep_mesh(walk, &primitive, to_world);
-    }
+    if (status == STATUS_OK) status = keep_mesh(walk, &primitive, to_world);
     primitive_clear(&primitive);
     return status;
 }

@@ -443,6 +443,13 @@ static Status copy_items(const Gltf *gltf, const Accessor *accessor, void *out, 
     return STATUS_OK;
 }
 
+Status gltf_count_items(const Gltf *gltf, const json_t *holder, const char *key, size_t *count)
+{
+    const json_t *json = NULL;
+    TRY(gltf_item(gltf, holder, key, "accessors", &json));
+    return whole(gltf, json, "count", 0, count);
+}
+
 Status gltf_read_floats(const Gltf *gltf, const json_t *holder, const char *key, int n, float **out, size_t *count)
 {
     Accessor accessor;

@@ -39,6 +39,8 @@ ATTR_NODISCARD Status gltf_item_at(const Gltf *gltf, const json_t *array, size_t
 /* The accessor that holder[key] numbers: *count times n floats, malloc'd, finite. */
 ATTR_NODISCARD Status gltf_read_floats(const Gltf *gltf, const json_t *holder, const char *key, int n, float **out,
                                        size_t *count);
+/* How many items the accessor that holder[key] numbers has, with no look at these. */
+ATTR_NODISCARD Status gltf_count_items(const Gltf *gltf, const json_t *holder, const char *key, size_t *count);
 /* holder.indices, malloc'd. */
 ATTR_NODISCARD Status gltf_read_indices(const Gltf *gltf, const json_t *holder, uint32_t **out, size_t *count);
 

@@ -127,14 +127,24 @@ static const char *behind_kind(const char *asked, const char *kind)
     return strncmp(asked, kind, length) == 0 && asked[length] == ':' ? asked + length + 1 : NULL;
 }
 
+/* Whether it means a number, or what has none of a kind, and never a name. */
+static bool asks_no_name(const char *asked)
+{
+    static const char *const kinds[] = {"object", "group", "solid", "node", "mesh", "material"};
+    for (size_t i = 0; i < COUNT_OF(kinds); i++) {
+        const char *rest = behind_kind(asked, kinds[i]);
+        if (rest && (!*rest || (*rest == '#' && rest[1 + strspn(rest + 1, "0123456789")] == 0))) return true;
+    }
+    return false;
+}
+
 static bool is_asked_for(const MeshPart *part, const char *asked)
 {
-    if (strcmp(part->name, asked) == 0) return true;
-    const char *rest = behind_kind(asked, part->kind);
-    if (!rest) return false;
     char number[24];
+    const char *rest = behind_kind(asked, part->kind);
     snprintf(number, sizeof number, "#%zu", part->number);
-    return strcmp(part->name, rest) == 0 || strcmp(number, rest) == 0;
+    if (asks_no_name(asked)) return rest && strcmp(number, rest) == 0;
+    return strcmp(part->name, asked) == 0 || (rest && strcmp(part->name, rest) == 0);
 }
 
 static size_t count_of_kind(const MeshSource *source, const char *kind)

@@ -254,6 +254,41 @@ static void parts_are_nodes_meshes_and_materials(void **state)
     mesh_free(mesh);
 }
 
+/* A node and a material of one name, a child below its parent, nodes of one name, and what has none. */
+static void parts_are_of_a_kind_or_numbered_or_several_at_once(void **state)
+{
+    (void)state;
+    mesh_free(load_nodes("\"nodes\": [{\"mesh\": 0, \"name\": \"amber\", \"children\": [1]}, {\"mesh\": 0, \"name\": "
+                         "\"cap\"}, {\"mesh\": 0, \"name\": \"cap\"}, {\"mesh\": 0}]",
+                         TETRAHEDRON ", {\"attributes\": {\"POSITION\": 6}, \"material\": 0}"));
+    static const struct {
+        const char *parts[3];
+        size_t n;
+        uint32_t n_triangles;
+    } cases[] = {
+        {{"amber"}, 1, 12},
+        {{"node:amber"}, 1, 10},
+        {{"object:amber"}, 1, 5},
+        {{"material:amber"}, 1, 4},
+        {{"material:#0"}, 1, 4},
+        {{"material:"}, 1, 16},
+        {{"cap"}, 1, 10},
+        {{"node:#2"}, 1, 5},
+        {{"#3"}, 1, 5},
+        {{"cap", "material:amber"}, 2, 2},
+        {{"object:#1", "material:"}, 2, 4},
+        {{"amber", "cap", "shape"}, 3, 6},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        Mesh *mesh = load_parts(cases[i].parts, cases[i].n);
+        assert_int_equal(mesh->n_triangles, cases[i].n_triangles);
+        mesh_free(mesh);
+    }
+    static const char *const apart[] = {"object:#1", "object:#2"}, *const wrong[] = {"cap", "material:ambre"};
+    refuse_parts(apart, 2, "no face is of 'object:#1' and of 'object:#2' at once");
+    refuse_parts(wrong, 2, "has no part 'material:ambre'");
+}
+
 static void assert_said(const MeshSource *source, const char *name, const char *expected)
 {
     Buf said = {0};
@@ -364,6 +399,7 @@ int main(void)
         cmocka_unit_test(strips_fans_normals_and_uvs_are_read),
         cmocka_unit_test(pictures_stand_upright),
         cmocka_unit_test(parts_are_nodes_meshes_and_materials),
+        cmocka_unit_test(parts_are_of_a_kind_or_numbered_or_several_at_once),
         cmocka_unit_test(what_materials_are_said_to_be_is_listed),
         cmocka_unit_test(extensions_that_cannot_be_read_are_named),
         cmocka_unit_test(what_does_not_fit_together_is_refused),

@@ -24,28 +24,38 @@ static inline Mesh *load(const char *text)
     return load_bytes(text, strlen(text));
 }
 
-/* The part of that name of the file that is there. */
-static inline Mesh *load_part(const char *part)
+/* What is of all of these parts of the file that is there. */
+static inline Mesh *load_parts(const char *const *parts, size_t n)
 {
     Mesh *mesh = NULL;
     Error error = {STATUS_OK, ""};
-    MeshSource source = {.asked = &part, .n_asked = part != NULL};
+    MeshSource source = {.asked = parts, .n_asked = n};
     if (mesh_load(in_folder(mesh_name), &source, &mesh, &error) != STATUS_OK) fail_msg("%s", error.text);
     mesh_source_clear(&source);
     return mesh;
 }
 
+static inline Mesh *load_part(const char *part)
+{
+    return load_parts(&part, part != NULL);
+}
+
 /* The file that is there must be refused, with its name and this text. */
-static inline void refuse_part(const char *part, const char *reason)
+static inline void refuse_parts(const char *const *parts, size_t n, const char *reason)
 {
     Mesh *mesh = NULL;
     Error error = {STATUS_OK, ""};
-    MeshSource source = {.asked = &part, .n_asked = part != NULL};
+    MeshSource source = {.asked = parts, .n_asked = n};
     assert_int_equal(mesh_load(in_folder(mesh_name), &source, &mesh, &error), STATUS_INPUT);
     assert_null(mesh);
     mesh_source_clear(&source);
     if (!strstr(error.text, in_folder(mesh_name)) || !strstr(error.text, reason))
         fail_msg("'%s' does not say '%s'", error.text, reason);
+}
+
+static inline void refuse_part(const char *part, const char *reason)
+{
+    refuse_parts(&part, part != NULL, reason);
 }
 
 static inline void refuse_bytes(const void *bytes, size_t length, const char *reason)
