@@ -78,6 +78,8 @@ static Status choose_names(Importing *importing, Error *error)
 {
     const char *output = option_text(importing->options, OPTION_IMPORT_OUTPUT, NULL);
     if (output) TRY(output_check_name(output, error));
+    if (output && !output_is_stream(output) && strcmp(file_extension(output), "mns") != 0)
+        return fail(error, STATUS_USAGE, "option '--output': '%s' must end in .mns", output);
     char *own = without_extension(importing->path);
     bool stream = output && output_is_stream(output);
     Buf name = {0};
@@ -276,8 +278,8 @@ Status cmd_import(const Options *options, const Talk *talk, Error *error)
     Importing importing = {.options = options, .talk = talk, .path = options->operands[0], .source = {.whole = true}};
     const char *path = importing.path;
     if (strcasecmp(file_extension(path), "mns") == 0) return fail(error, STATUS_USAGE, "'%s' is a scene already", path);
-    Status status = choose_names(&importing, error);
-    if (status == STATUS_OK) status = mesh_load(path, &importing.source, &importing.mesh, error);
+    Status status = mesh_load(path, &importing.source, &importing.mesh, error);
+    if (status == STATUS_OK) status = choose_names(&importing, error);
     if (status == STATUS_OK) {
         ImportOptions wanted = import_options(&importing);
         status = import_scene(&wanted, &importing.source, importing.mesh, &importing.import, error);

@@ -146,9 +146,13 @@ static void write_studio(Importer *im)
     }
     buf_add(im->text, "\n  rotate(y, ");
     add_number(im->text, round(azimuth_of_view(im)));
-    buf_add(im->text, ")  translate(");
-    add_point(im, im->text, foot);
-    buf_add(im->text, ")\n}\n");
+    buf_add(im->text, ")");
+    if (foot.x != 0 || foot.y != 0 || foot.z != 0) {
+        buf_add(im->text, "  translate(");
+        add_point(im, im->text, foot);
+        buf_add(im->text, ")");
+    }
+    buf_add(im->text, "\n}\n");
 }
 
 static bool has_floor(const Importer *im)

@@ -27,6 +27,7 @@ matches drink.mns '^light lamp \{ shape = sphere  from = <-300, 500, 300>  radiu
 matches drink.mns '^camera camera_view \{ from = <0, 170, 380>'
 is_a_scene drink.mns
 says out 'tumbler overlaps drink'
+same_flat drink.mns
 run drink.mns -s 4 --scale 10% -o drink.exr
 exits 0
 there drink.exr
@@ -38,6 +39,7 @@ run import odd.glb
 exits 0
 says err "material 'Glass': its colour is taken as that after the mean way"
 is_a_scene odd.mns
+same_flat odd.mns
 matches odd.mns '^mesh glass_object \{ file = model  part = "object:#0"  interior = glass \}$'
 matches odd.mns '^mesh glass_object_2 \{ file = model  part = "object:#1"  interior = glass_2  surface = glass_2_boundary \}$'
 matches odd.mns '^mesh object_3 \{ file = model  part = "object:#3"  surface = é \}$'
@@ -114,7 +116,7 @@ empty err
 is_a_scene drink.mns
 run import drink.glb -o drink.glb --force
 exits 2
-says err "'drink.glb' is not written over: it was read for this"
+says err "option '--output': 'drink.glb' must end in .mns"
 no_leftovers
 end
 
@@ -164,6 +166,8 @@ exits 2
 run import gone.glb
 exits 4
 says err "gone.glb"
+run import nowhere/gone.glb
+exits 4
 run import drink.mns
 exits 2
 says err 'is a scene already'

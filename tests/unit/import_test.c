@@ -355,7 +355,7 @@ static void dim_lights_get_an_exposure(void **state)
         "0}}}], \"extensions\": {\"KHR_lights_punctual\": {\"lights\": [{\"type\": \"point\", \"intensity\": 100}]}}, "
         "\"meshes\": [{\"primitives\": [" CLOSED "}]}], " BUFFERS "}");
     assert_says(&made, "film { exposure = 6 ");
-    assert_says(&made, "environment { color = 0.0007812 }");
+    assert_says(&made, "environment { color = 0.0007813 }");
     assert_notes(&made, "its lights are too dim for a picture as they are");
     made_clear(&made);
 }
