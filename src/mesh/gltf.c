@@ -331,23 +331,62 @@ static Status join(const Walk *walk, Mesh **out)
     return status;
 }
 
+static void close_file(Gltf *gltf)
+{
+    gltf_close(gltf);
+    free(gltf->path);
+    free(gltf);
+}
+
+void mesh_kept_clear(MeshKept *kept)
+{
+    if (kept->gltf) close_file(kept->gltf);
+    kept->gltf = NULL;
+}
+
+/* The file as it was opened for another part, or newly. */
+static Status open_file(const char *path, MeshKept *kept, Error *error, Gltf **out)
+{
+    if (kept && kept->gltf && strcmp(kept->gltf->path, path) == 0) {
+        *out = kept->gltf;
+        (*out)->error = error;
+        (*out)->has_normals = (*out)->has_uvs = false;
+        return STATUS_OK;
+    }
+    if (kept) mesh_kept_clear(kept);
+    Gltf *gltf = calloc(1, sizeof *gltf);
+    char *own_path = gltf ? strdup(path) : NULL;
+    if (!own_path) {
+        free(gltf);
+        return fail_memory(error, strlen(path), "a glTF file");
+    }
+    gltf->path = own_path;
+    gltf->error = error;
+    Status status = gltf_open(gltf);
+    *out = gltf;
+    if (status != STATUS_OK) close_file(gltf);
+    if (status == STATUS_OK && kept) kept->gltf = gltf;
+    return status;
+}
+
 Status mesh_load_gltf(const char *path, MeshSource *source, Mesh **mesh, Error *error)
 {
-    Gltf gltf = {.path = path, .error = error};
-    Walk walk = {.gltf = &gltf, .source = source};
-    Status status = gltf_open(&gltf);
-    if (status == STATUS_OK) status = walk_scene(&walk);
+    Gltf *gltf = NULL;
+    MeshKept *kept = source && source->n_asked ? source->kept : NULL;
+    TRY(open_file(path, kept, error, &gltf));
+    Walk walk = {.gltf = gltf, .source = source};
+    Status status = walk_scene(&walk);
     if (status == STATUS_OK) status = join(&walk, mesh);
     if (status == STATUS_OK && source) {
         source->unit_m = 1;
-        gltf_list_materials(&gltf, source);
-        if (source->whole) gltf_list_images(&gltf, source);
-        source->animated = json_array_size(json_object_get(gltf.root, "animations")) > 0 ||
-                           json_array_size(json_object_get(gltf.root, "skins")) > 0;
+        gltf_list_materials(gltf, source);
+        if (source->whole) gltf_list_images(gltf, source);
+        source->animated = json_array_size(json_object_get(gltf->root, "animations")) > 0 ||
+                           json_array_size(json_object_get(gltf->root, "skins")) > 0;
     }
     for (size_t i = 0; i < walk.n_meshes; i++) mesh_free(walk.meshes[i]);
     free(walk.meshes);
     free(walk.visited);
-    gltf_close(&gltf);
+    if (!kept) close_file(gltf);
     return status;
 }

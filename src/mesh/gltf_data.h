@@ -14,7 +14,7 @@ typedef struct GltfBuffer {
 } GltfBuffer;
 
 typedef struct Gltf {
-    const char *path;
+    char *path; /* owned */
     Error *error;
     char *file;
     size_t file_length;

@@ -52,13 +52,15 @@ typedef struct MeshPicture {
 
 typedef struct MeshMaterial {
     char *name; /* "": it has none; owned */
-    double facts[FACT_COUNT][3]; /* SPECULAR 0: it mirrors nothing; FILTER: the colour of what is clear; as the file says, or as
+    double facts[FACT_COUNT]
+                [3]; /* SPECULAR 0: it mirrors nothing; FILTER: the colour of what is clear; as the file says, or as
                                   * follows from other things that it says */
-    uint64_t given;              /* bits 1 << FACT_...: those that the file says itself */
+    uint64_t given;  /* bits 1 << FACT_...: those that the file says itself */
     MeshPicture pictures[PICTURE_COUNT];
     MaterialAlpha alpha;
     bool unlit, volume; /* it has those extensions of glTF */
-    bool packed;        /* roughness is the green and metal the blue of one picture, and colours are factors of pictures: glTF */
+    bool
+        packed; /* roughness is the green and metal the blue of one picture, and colours are factors of pictures: glTF */
 } MeshMaterial;
 
 _Static_assert(FACT_COUNT <= 64, "facts are bits of a number");

@@ -72,7 +72,8 @@ void mesh_source_clear(MeshSource *source)
     free(source->cameras);
     free(source->lights);
     free(source->images);
-    *source = (MeshSource){.asked = source->asked, .n_asked = source->n_asked, .whole = source->whole};
+    *source =
+        (MeshSource){.asked = source->asked, .n_asked = source->n_asked, .kept = source->kept, .whole = source->whole};
 }
 
 /* ---- parts ---- */

@@ -48,12 +48,20 @@ typedef struct MeshImage {
 
 enum { MESH_MOST_ASKED = 32 };
 
-/* What is asked of a file, and what was found out about it. Starts zeroed, but for `asked`, `n_asked` and `whole`. */
+/* A file that stays open, for others of its parts. Starts zeroed; formats that are read from end to end leave it so. */
+typedef struct MeshKept {
+    struct Gltf *gltf;
+} MeshKept;
+void mesh_kept_clear(MeshKept *kept);
+
+/* What is asked of a file, and what was found out about it. Starts zeroed, but for `asked`, `n_asked`,
+ * `kept` and `whole`. */
 typedef struct MeshSource {
     /* Only triangles that are of all of these, at most MESH_MOST_ASKED: "NAME" of whatever kind, "KIND:NAME", "KIND:#NUMBER", or
      * "KIND:" for what has none of that kind. */
     const char *const *asked;
     size_t n_asked;  /* 0: all triangles */
+    MeshKept *kept;  /* where a file of which a part is taken stays open; NULL: nowhere */
     bool whole;      /* runs, cameras, lights and images are wanted, too */
     MeshPart *parts; /* everything that the file names, in its order */
     size_t n_parts, part_capacity;

@@ -473,6 +473,7 @@ static Status build_requested(Request *request, const SceneOptions *options, Dia
     if (printed) buf_add_bytes(printed, buf_text(&b->result.printed), b->result.printed.length);
     buf_clear(&b->result.printed);
     arena_clear(&request->tree);
+    mesh_kept_clear(&b->kept_mesh);
     Status status = b->status;
     if (!done || request->scene_memory_ended)
         status = fail(error, STATUS_NOMEM, "out of memory while building the scene");

@@ -307,7 +307,8 @@ static bool load_file(Builder *b, const EvalProp *file, const char *path, const 
                       uint32_t shape, Mesh **mesh)
 {
     Error error;
-    MeshSource source = {.asked = part ? part->as.list.texts : NULL, .n_asked = part ? part->as.list.n : 0};
+    MeshSource source = {
+        .asked = part ? part->as.list.texts : NULL, .n_asked = part ? part->as.list.n : 0, .kept = &b->kept_mesh};
     if (source.n_asked > MESH_MOST_ASKED) {
         diag_report(b->diag, D_LIMIT, part->span, "more than %d parts are asked for at once", MESH_MOST_ASKED);
         return false;

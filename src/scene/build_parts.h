@@ -8,6 +8,7 @@
 #define MEN_BUILD_PARTS_H
 
 #include "lang/formula.h"
+#include "mesh/mesh_file.h"
 #include "scene/build.h"
 
 /* Coordinates and lengths beyond this are refused: Embree takes 1.8e18 at most, and squares of lengths must
@@ -100,8 +101,9 @@ typedef struct Builder {
     uint32_t black;               /* the surface of lights; SCENE_NONE until there is one */
     uint32_t grey;                /* the surface of a ground that names none */
     uint64_t environment_hash;
-    bool only_shapes; /* for geometry.c: what objects are made of does not matter */
-    Status status;    /* a failure that is no mistake in the scene */
+    MeshKept kept_mesh; /* the file that the last part of a mesh was taken from */
+    bool only_shapes;   /* for geometry.c: what objects are made of does not matter */
+    Status status;      /* a failure that is no mistake in the scene */
     Error *error;
 } Builder;
 

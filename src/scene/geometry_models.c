@@ -191,6 +191,7 @@ static Status build_model(Geometry *geometry, Model *model, Error *error)
     const DiagChain *chain = diag->chain;
     bool done = arena_guard(&scene->arena, build_node, &task);
     diag->chain = chain;
+    mesh_kept_clear(&task.builder.kept_mesh);
     if (!done) return fail(error, STATUS_NOMEM, "out of memory for the shape of a node");
     TRY(task.builder.status);
     model->mistaken = diag->n_errors != n_errors;
