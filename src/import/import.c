@@ -100,8 +100,14 @@ static void write_head(Importer *im)
     if (im->guessed_unit)
         import_note(im, "the file does not say how long its unit is: a %s is assumed; --unit says otherwise",
                     im->file_m == 1 ? "metre" : "millimetre");
-    if (source->animated) import_note(im, "what moves in the file, or is bent by bones, stands still here");
-    if (source->vertex_colors) import_note(im, "colours of vertices are not taken: a picture can have them");
+    static const char *const left_out[MESH_LEFT_COUNT] = {
+        [MESH_LEFT_MOTION] = "what moves in the file, is bent by bones or changes its shape stands still here",
+        [MESH_LEFT_COLORS] = "colours of vertices are not taken: a picture can have them",
+        [MESH_LEFT_LINES] = "its points and lines have no surface, and are left out",
+        [MESH_LEFT_INSTANCES] = "its instances (EXT_mesh_gpu_instancing) are left out: export them as objects",
+    };
+    for (int i = 0; i < MESH_LEFT_COUNT; i++)
+        if (source->left_out >> i & 1) import_note(im, "%s", left_out[i]);
     if (im->by_material)
         import_note(im, "it has more than %d objects: those of one material are one object here", IMPORT_MOST_OBJECTS);
     import_write_comment(im);

@@ -183,6 +183,10 @@ static void describe(Importer *im, const ImportMaterial *material)
     import_say(im, "%s%s%s", called, text.length ? ": " : "", buf_text(&text));
     buf_clear(&text);
     buf_clear(&name);
+    if (!material->said->left_out) return;
+    add_shown(&name, material->said->left_out);
+    import_note(im, "what it says by %s is not taken", buf_text(&name));
+    buf_clear(&name);
 }
 
 static void write_medium(Importer *im, const ImportMaterial *material)

@@ -90,7 +90,6 @@ void node_color(NodeText *node, const char *key, const double rgb[3]);
 void node_point(NodeText *node, const char *key, Vec3 p);
 void node_word(NodeText *node, const char *key, const char *word);
 void node_length(NodeText *node, const char *key, double metres);
-void node_break(NodeText *node);
 /* Writes the comment that has been gathered, if any, and the node. */
 void node_end(NodeText *node);
 /* Adds it to the value of a property of another one. */

@@ -269,16 +269,8 @@ NodeText node_begin(Importer *im, const char *type, const char *name)
     return node;
 }
 
-Buf *node_prop(NodeText *node, const char *key)
-{
-    node_break(node);
-    node->prop_begin = node->line.length;
-    buf_format(&node->line, "%s%s = ", node->n_props++ ? "  " : " ", key);
-    return &node->line;
-}
-
 /* Where the property written last goes beyond the width, it goes to a line of its own. */
-void node_break(NodeText *node)
+static void node_break(NodeText *node)
 {
     if (node->value || node->n_props == 0 || node->line.length - node->line_begin <= LINE_WIDTH ||
         node->prop_begin == node->line_begin)
@@ -293,6 +285,14 @@ void node_break(NodeText *node)
     buf_clear(&node->line);
     node->line = broken;
     node->line_begin = node->prop_begin = begin;
+}
+
+Buf *node_prop(NodeText *node, const char *key)
+{
+    node_break(node);
+    node->prop_begin = node->line.length;
+    buf_format(&node->line, "%s%s = ", node->n_props++ ? "  " : " ", key);
+    return &node->line;
 }
 
 void node_number(NodeText *node, const char *key, double value)

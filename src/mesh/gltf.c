@@ -183,6 +183,11 @@ static uint32_t part_of(const Walk *walk, const char *kind, size_t number, const
     return walk->source && thing ? mesh_source_numbered_part(walk->source, kind, number, name) : UINT32_MAX;
 }
 
+static void leave_out(const Walk *walk, MeshLeft what)
+{
+    if (walk->source) walk->source->left_out |= 1U << what;
+}
+
 static size_t number_of(const json_t *holder, const char *key)
 {
     return (size_t)json_number_value(json_object_get(holder, key));
@@ -212,13 +217,17 @@ static Status add_primitive(Walk *walk, const json_t *json, uint32_t depth, cons
     Gltf *gltf = walk->gltf;
     const json_t *mode = json_object_get(json, "mode");
     Primitive primitive = {.mode = mode ? (int)json_integer_value(mode) : MODE_TRIANGLES};
-    if (primitive.mode < MODE_TRIANGLES) return STATUS_OK; /* points and lines */
+    if (primitive.mode < MODE_TRIANGLES) {
+        leave_out(walk, MESH_LEFT_LINES);
+        return STATUS_OK;
+    }
     if (primitive.mode > MODE_FAN) return gltf_fail(gltf, "a primitive's mode is %d, which is unknown", primitive.mode);
     const json_t *material = NULL;
     if (json_object_get(json, "material")) TRY(gltf_item(gltf, json, "material", "materials", &material));
     walk->parts[depth + 1] = part_of(walk, "material", number_of(json, "material"), material);
     const json_t *attributes = json_object_get(json, "attributes");
-    if (walk->source && json_object_get(attributes, "COLOR_0")) walk->source->vertex_colors = true;
+    if (json_object_get(attributes, "COLOR_0")) leave_out(walk, MESH_LEFT_COLORS);
+    if (json_object_get(json, "targets")) leave_out(walk, MESH_LEFT_MOTION);
     TRY(count_corners(gltf, json, &primitive));
     size_t n = triangles_of(&primitive);
     if (n == 0 || !mesh_source_wants(walk->source, walk->parts, depth + 2, n)) return STATUS_OK; /* unread */
@@ -246,6 +255,8 @@ static Status add_node(Walk *walk, const json_t *list, size_t place, uint32_t de
     to_world = affine_compose(parent, &to_world);
     walk->parts[depth] = part_of(walk, "node", number, node);
     if (walk->source && walk->source->whole) gltf_list_views(gltf, node, &to_world, walk->source);
+    if (json_object_get(json_object_get(node, "extensions"), "EXT_mesh_gpu_instancing"))
+        leave_out(walk, MESH_LEFT_INSTANCES);
     if (json_object_get(node, "mesh")) {
         const json_t *mesh;
         TRY(gltf_item(gltf, node, "mesh", "meshes", &mesh));
@@ -381,8 +392,9 @@ Status mesh_load_gltf(const char *path, MeshSource *source, Mesh **mesh, Error *
         source->unit_m = 1;
         gltf_list_materials(gltf, source);
         if (source->whole) gltf_list_images(gltf, source);
-        source->animated = json_array_size(json_object_get(gltf->root, "animations")) > 0 ||
-                           json_array_size(json_object_get(gltf->root, "skins")) > 0;
+        if (json_array_size(json_object_get(gltf->root, "animations")) ||
+            json_array_size(json_object_get(gltf->root, "skins")))
+            leave_out(&walk, MESH_LEFT_MOTION);
     }
     for (size_t i = 0; i < walk.n_meshes; i++) mesh_free(walk.meshes[i]);
     free(walk.meshes);

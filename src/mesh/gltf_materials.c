@@ -82,6 +82,26 @@ static void read_picture(const Gltf *gltf, const json_t *material, const Materia
     picture->turned = json_number_value(json_object_get(moved, "rotation"));
 }
 
+static bool is_known(const char *extension)
+{
+    const MaterialRow *row;
+    for (size_t i = 0; (row = material_row(i)) != NULL; i++)
+        if (row->extension && strcmp(row->extension, extension) == 0) return true;
+    return strcmp(extension, "KHR_materials_unlit") == 0;
+}
+
+/* The names of those that no row is of. */
+static char *unknown_of(json_t *extensions)
+{
+    Buf names = {0};
+    const char *name;
+    json_t *unused;
+    json_object_foreach(extensions, name, unused) if (!is_known(name))
+        buf_format(&names, "%s%s", names.length ? ", " : "", name);
+    (void)unused;
+    return names.text;
+}
+
 static void list_material(const Gltf *gltf, const json_t *json, MeshSource *source)
 {
     const char *name = json_string_value(json_object_get(json, "name"));
@@ -95,7 +115,8 @@ static void list_material(const Gltf *gltf, const json_t *json, MeshSource *sour
             read_fact(json, row, &material);
     }
     memcpy(material.facts[FACT_FILTER], material.facts[FACT_BASE_COLOR], sizeof material.facts[FACT_FILTER]);
-    const json_t *extensions = json_object_get(json, "extensions");
+    json_t *extensions = json_object_get(json, "extensions");
+    material.left_out = unknown_of(extensions);
     material.packed = true;
     material.unlit = json_object_get(extensions, "KHR_materials_unlit") != NULL;
     material.volume = json_object_get(extensions, "KHR_materials_volume") != NULL;

@@ -35,6 +35,7 @@ void material_clear(MeshMaterial *material)
 {
     for (int i = 0; i < PICTURE_COUNT; i++) free(material->pictures[i].file);
     free(material->name);
+    free(material->left_out);
     *material = (MeshMaterial){.name = NULL};
 }
 

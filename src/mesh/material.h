@@ -58,6 +58,7 @@ typedef struct MeshMaterial {
     uint64_t given;  /* bits 1 << FACT_...: those that the file says itself */
     MeshPicture pictures[PICTURE_COUNT];
     MaterialAlpha alpha;
+    char *left_out;     /* the names of extensions of glTF that are not known; owned; NULL: none */
     bool unlit, volume; /* it has those extensions of glTF */
     bool
         packed; /* roughness is the green and metal the blue of one picture, and colours are factors of pictures: glTF */

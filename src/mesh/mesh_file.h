@@ -46,6 +46,14 @@ typedef struct MeshImage {
     size_t length;
 } MeshImage;
 
+typedef enum MeshLeft {
+    MESH_LEFT_MOTION,
+    MESH_LEFT_COLORS,
+    MESH_LEFT_LINES,
+    MESH_LEFT_INSTANCES,
+    MESH_LEFT_COUNT
+} MeshLeft;
+
 enum { MESH_MOST_ASKED = 32 };
 
 /* A file that stays open, for others of its parts. Starts zeroed; formats that are read from end to end leave it so. */
@@ -79,9 +87,8 @@ typedef struct MeshSource {
     size_t n_lights, light_capacity;
     MeshImage *images;
     size_t n_images;
-    bool animated;      /* it has motion, skins or shapes, of which nothing is taken */
-    bool vertex_colors; /* and colours of vertices, likewise */
-    double unit_m;      /* the length of the file's unit where the format says it; 0: it does not */
+    unsigned left_out; /* bits 1 << MESH_LEFT_...: what else it has, of which nothing is taken */
+    double unit_m;     /* the length of the file's unit where the format says it; 0: it does not */
 } MeshSource;
 
 void mesh_source_clear(MeshSource *source);

@@ -343,6 +343,22 @@ static void lights_and_cameras_stand_where_the_file_has_them(void **state)
     made_clear(&made);
 }
 
+static void what_is_left_out_is_told(void **state)
+{
+    (void)state;
+    Made made;
+    import_text(&made, HEAD
+                "\"nodes\": [{\"mesh\": 0, \"extensions\": {\"EXT_mesh_gpu_instancing\": {}}}], \"skins\": [{}], "
+                "\"materials\": [{\"name\": \"Skin\", \"extensions\": {\"KHR_materials_unlit\": {}, "
+                "\"KHR_materials_pbrSpecularGlossiness\": {}, \"EXT_own\": 3}}], \"meshes\": [{\"primitives\": [" CLOSED
+                ", \"material\": 0}, {\"mode\": 1, \"attributes\": {\"POSITION\": 0}}]}], " BUFFERS "}");
+    assert_notes(&made, "material 'Skin': what it says by KHR_materials_pbrSpecularGlossiness, EXT_own is not taken");
+    assert_notes(&made, "what moves in the file");
+    assert_notes(&made, "its points and lines");
+    assert_notes(&made, "EXT_mesh_gpu_instancing");
+    made_clear(&made);
+}
+
 /* 100 candela at two metres. */
 static void dim_lights_get_an_exposure(void **state)
 {
@@ -414,6 +430,7 @@ int main(void)
         cmocka_unit_test(names_are_made_valid_and_parts_are_exact),
         cmocka_unit_test(whatever_a_material_says_a_scene_comes_of_it),
         cmocka_unit_test(lights_and_cameras_stand_where_the_file_has_them),
+        cmocka_unit_test(what_is_left_out_is_told),
         cmocka_unit_test(dim_lights_get_an_exposure),
         cmocka_unit_test(a_file_without_light_gets_some_and_a_floor_unless_it_has_one),
         cmocka_unit_test(wavefront_materials_are_understood),
