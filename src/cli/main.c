@@ -11,21 +11,11 @@
 #include "cli/signals.h"
 
 static Status (*const command_functions[])(const Options *options, const Talk *talk, Error *error) = {
-    [COMMAND_RENDER] = cmd_render,
-    [COMMAND_CHECK] = cmd_check,
-    [COMMAND_FMT] = cmd_fmt,
-    [COMMAND_DUMP] = cmd_dump,
-    [COMMAND_PARAMS] = cmd_params,
-    [COMMAND_BENCH] = cmd_bench,
-    [COMMAND_MERGE] = cmd_merge,
-    [COMMAND_VIEW] = cmd_view,
-    [COMMAND_COMPARE] = cmd_compare,
-    [COMMAND_INFO] = cmd_info,
-    [COMMAND_IMPORT] = cmd_import,
-    [COMMAND_COMPLETION] = cmd_completion,
-    [COMMAND_HELP] = cmd_help,
-    [COMMAND_MANUAL] = cmd_manual,
-    [COMMAND_EDITOR] = cmd_editor,
+    [COMMAND_RENDER] = cmd_render,   [COMMAND_CHECK] = cmd_check,   [COMMAND_FMT] = cmd_fmt,
+    [COMMAND_DUMP] = cmd_dump,       [COMMAND_PARAMS] = cmd_params, [COMMAND_BENCH] = cmd_bench,
+    [COMMAND_MERGE] = cmd_merge,     [COMMAND_VIEW] = cmd_view,     [COMMAND_COMPARE] = cmd_compare,
+    [COMMAND_INFO] = cmd_info,       [COMMAND_IMPORT] = cmd_import, [COMMAND_COMPLETION] = cmd_completion,
+    [COMMAND_HELP] = cmd_help,       [COMMAND_MANUAL] = cmd_manual, [COMMAND_EDITOR] = cmd_editor,
     [COMMAND_VERSION] = cmd_version,
 };
 

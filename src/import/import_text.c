@@ -219,6 +219,7 @@ static void note_text(Importer *im, const char *text)
     out->notes[out->n_notes++] = line.text;
 }
 
+static void say(Importer *im, bool note, const char *format, va_list arguments) ATTR_PRINTF(3, 0);
 /* In a comment it is a sentence. */
 static void say(Importer *im, bool note, const char *format, va_list arguments)
 {

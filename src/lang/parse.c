@@ -754,8 +754,10 @@ static bool is_text(const File *file, Diag *diag)
     if (!memchr(text, 0, length) || strstr(text, "meniscus")) return true;
     Diagnostic *report = diag_report(diag, D_INVALID_UTF8, (Span){file->source, 0, 0}, "the file is no text in UTF-8");
     bool wide = memcmp(text, "\xff\xfe", 2) == 0 || memcmp(text, "\xfe\xff", 2) == 0;
-    diag_hint(diag, report,
-              wide ? "it is in UTF-16: save it as UTF-8" : "meniscus info says what pictures, meshes and grids hold, and meniscus import makes a scene of a mesh");
+    diag_hint(
+        diag, report,
+        wide ? "it is in UTF-16: save it as UTF-8"
+             : "meniscus info says what pictures, meshes and grids hold, and meniscus import makes a scene of a mesh");
     return false;
 }
 
