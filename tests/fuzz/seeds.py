@@ -66,8 +66,15 @@ def gltf():
     data = b"".join(struct.pack("<3f", *p) for p in POINTS) + b"".join(struct.pack("<3H", *f) for f in FACES)
     document = {
         "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
-        "nodes": [{"mesh": 0, "name": "seed", "translation": [1, 2, 3], "scale": [2, 2, 2], "rotation": [0, 0, 0, 1]}],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}], "materials": [{"name": "glass"}],
+        "cameras": [{"perspective": {"yfov": .5, "aspectRatio": 1.5}}],
+        "extensions": {"KHR_lights_punctual": {"lights": [{"type": "spot", "intensity": 100, "color": [1, .5, 0]}]}},
+        "nodes": [{"mesh": 0, "camera": 0, "extensions": {"KHR_lights_punctual": {"light": 0}}, "name": "seed", "translation": [1, 2, 3], "scale": [2, 2, 2], "rotation": [0, 0, 0, 1]}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}], 
+        "materials": [{"name": "glass", "alphaMode": "MASK", "pbrMetallicRoughness": {"baseColorFactor": [.5, .9, .7, 1], "roughnessFactor": .2,
+                       "baseColorTexture": {"index": 0}, "metallicFactor": 0}, "extensions": {
+                           "KHR_materials_transmission": {"transmissionFactor": .9}, "KHR_materials_ior": {"ior": 1.5},
+                           "KHR_materials_volume": {"thicknessFactor": 1, "attenuationDistance": .1, "attenuationColor": [.9, .4, .1]}}}],
+        "textures": [{"source": 0}], "images": [{"name": "label", "uri": "data:image/png;base64,iVBORw0KGgo="}],
         "buffers": [{"byteLength": len(data)}],
         "bufferViews": [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 24}],
         "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 1]},
