@@ -46,6 +46,9 @@ group { shapes.drop { interior = media.water }  translate(<2 * 30cm, 0, 40cm>) }
 group { shapes.droplets { n = 5  interior = media.water }  translate(<3 * 30cm, 0, 40cm>) }
 group { shapes.ice_cube { interior = media.ice  bubbles = 5 }  translate(<4 * 30cm, 0, 40cm>) }
 group { shapes.rod { path = [for (a in 0..90 by 5) 40mm * <cos(a), sin(a), 0>]  interior = media.acrylic }  translate(<5 * 30cm, 0, 40cm>) }
+shapes.sheet { width = 20mm  height = 30mm  surface = surface { thin = true  transmission = 1  ior = 1.5 } }
+let sheet = bounds(group { shapes.sheet(20mm, 30mm) })
+assert(distance(sheet.min, <-10mm, 0, 0>) + distance(sheet.max, <10mm, 30mm, 0>) < .001mm)
 assert(len(shapes.path_frames([x, y], z)) == 2 and length(shapes.disc_point(1, 2, 3mm)) <= 3mm)
 assert(len(shapes.hold_edges([<0, 0>, <9, 0>, <9, 1>], 1)) == 5)
 assert(len(shapes.hold_edges([for (a in 0..90 by 5) 100 * <cos(a), sin(a)>, <0, 200>], 1)) == 24)  // held: the ends alone
