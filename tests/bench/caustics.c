@@ -103,6 +103,13 @@ void bench_caustics(void)
             "sphere { center = <0, 40, 0> radius = 1 surface = surface { albedo = 0 emission = 1 radiance = 2000 } } "
             "camera { from = <0, 90, 200> to = <0, 15, 0> fov = 30 }",
             one);
+    compare("a lamp in a frosted globe, a floor",
+            START
+            "sphere { interior = glass center = <0, 80, 0> radius = 60 surface = surface { roughness = .2 } } "
+            "sphere { interior = air center = <0, 80, 0> radius = 58 } "
+            "sphere { center = <0, 80, 0> radius = 1 surface = surface { albedo = 0 emission = 1 radiance = 20000 } } "
+            "camera { from = <0, 120, 400> to = <0, 50, 0> fov = 35 }",
+            one);
     compare("a drink in the sun",
             START SUN "cylinder { interior = glass from = <0, .1, 0> to = <0, 40, 0> radius = 15 } "
                       "cylinder { interior = water from = <0, 4, 0> to = <0, 30, 0> radius = 12.1 } "
