@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/utf8.h"
+
 void buf_clear(Buf *buf)
 {
     free(buf->text);
@@ -63,6 +65,24 @@ void buf_format(Buf *buf, const char *format, ...)
         buf->length += (size_t)length;
     }
     va_end(again);
+}
+
+void buf_add_shown(Buf *buf, const char *text, size_t most)
+{
+    size_t length = strlen(text), shown = 0;
+    for (size_t at = 0; at < length; shown++) {
+        if (shown == most) {
+            buf_add(buf, "...");
+            return;
+        }
+        uint32_t code;
+        size_t n = utf8_decode(text + at, length - at, &code);
+        if (code == UTF8_INVALID || code < ' ' || (code >= 0x7f && code < 0xa0))
+            buf_add(buf, "?");
+        else
+            buf_add_bytes(buf, text + at, n);
+        at += n;
+    }
 }
 
 const char *buf_text(const Buf *buf)

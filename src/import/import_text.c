@@ -165,20 +165,9 @@ bool text_is_plain(const char *text)
 
 /* ---- comments ---- */
 
-/* A text of the file on one line, cut off where it is long. */
 void add_shown(Buf *out, const char *text)
 {
-    size_t length = strlen(text), shown = 0;
-    for (size_t at = 0; at < length && shown < LONGEST_SHOWN; shown++) {
-        uint32_t code;
-        size_t n = utf8_decode(text + at, length - at, &code);
-        if (code == UTF8_INVALID || code < ' ' || (code >= 0x7f && code < 0xa0))
-            buf_add(out, "?");
-        else
-            buf_add_bytes(out, text + at, n);
-        at += n;
-        if (shown + 1 == LONGEST_SHOWN && at < length) buf_add(out, "...");
-    }
+    buf_add_shown(out, text, LONGEST_SHOWN);
 }
 
 /* Adds words as lines of a comment. */

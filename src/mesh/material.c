@@ -7,6 +7,8 @@
 
 #include "base/attr.h"
 
+enum { LONGEST_SHOWN = 100 }; /* of a picture's name */
+
 static const MaterialRow rows[] = {
 #define FACT(key, at, n, otherwise, what, outer, extension, name, statement)                                           \
     {false, FACT_##key, at, n, otherwise, what, outer, extension, name, statement},
@@ -68,7 +70,10 @@ void material_describe(const MeshMaterial *material, Buf *out)
         if (!is_worth_telling(material, row)) continue;
         buf_format(out, "%s%s", out->length > begin ? ", " : "", row->what);
         const MeshPicture *picture = &material->pictures[row->is_picture ? row->key : 0];
-        if (row->is_picture) buf_format(out, " %.200s", picture->file ? picture->file : "within the file");
+        if (row->is_picture) {
+            buf_add(out, " ");
+            buf_add_shown(out, picture->file ? picture->file : "within the file", LONGEST_SHOWN);
+        }
         for (int k = 0; k < row->n; k++) buf_format(out, " %.3g", material->facts[row->key][k]);
     }
     if (material->unlit) buf_format(out, "%sunlit", out->length > begin ? ", " : "");

@@ -137,6 +137,30 @@ static void import_material(Made *made, const char *primitive, const char *mater
     "{\"name\": \"Stuff\", \"pbrMetallicRoughness\": {\"metallicFactor\": 0, \"roughnessFactor\": 0" text "}"
 #define GLASS ", \"extensions\": {\"KHR_materials_transmission\": {\"transmissionFactor\": 1}"
 
+/* A material with a picture of that URI. */
+static void import_picture_of(Made *made, const char *uri)
+{
+    Buf material = {0};
+    buf_format(&material,
+               LOOK(", \"baseColorTexture\": {\"index\": 0}") "}], \"textures\": [{\"source\": 0}], \"images\": "
+                                                              "[{\"uri\": \"%s\"}",
+               uri);
+    import_material(made, CLOSED, buf_text(&material));
+    buf_clear(&material);
+}
+
+static void names_of_pictures_stay_in_their_comments(void **state)
+{
+    (void)state;
+    Made made;
+    import_picture_of(&made, "a%0Alight {}%0D.png");
+    assert_says(&made, "picture a?light {}?.png");
+    made_clear(&made);
+    import_picture_of(&made, "b%C3.png");
+    assert_says(&made, "picture b?.png");
+    made_clear(&made);
+}
+
 static void clear_materials_fill_closed_meshes(void **state)
 {
     (void)state;
@@ -425,6 +449,7 @@ static void wavefront_materials_are_understood(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(names_of_pictures_stay_in_their_comments),
         cmocka_unit_test(clear_materials_fill_closed_meshes),
         cmocka_unit_test(opaque_materials_become_surfaces),
         cmocka_unit_test(names_are_made_valid_and_parts_are_exact),
