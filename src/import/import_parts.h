@@ -37,6 +37,7 @@ typedef struct ImportMaterial {
 typedef struct ImportName {
     char *text;
     const char *kind;
+    unsigned long n_same; /* the last number behind it, of others that wanted it */
 } ImportName;
 
 typedef struct Importer {

@@ -41,11 +41,18 @@ static bool is_word_of_language(const char *name)
     return false;
 }
 
+static ImportName *find_name(const Importer *im, const char *name)
+{
+    for (size_t i = 0; i < im->n_names; i++)
+        if (strcmp(im->names[i].text, name) == 0) return &im->names[i];
+    return NULL;
+}
+
 /* What has the name; NULL: nothing. */
 static const char *taken_by(const Importer *im, const char *name)
 {
-    for (size_t i = 0; i < im->n_names; i++)
-        if (strcmp(im->names[i].text, name) == 0) return im->names[i].kind;
+    const ImportName *found = find_name(im, name);
+    if (found) return found->kind;
     return is_word_of_language(name) ? "" : NULL;
 }
 
@@ -85,14 +92,17 @@ char *import_name(Importer *im, const char *called, const char *unspelt, const c
         snprintf(first, sizeof first, "%s_%s", stem, kind);
         snprintf(name, sizeof name, "%s", first);
     }
-    for (unsigned long n = 2; taken_by(im, name); n++) snprintf(name, sizeof name, "%s_%lu", first, n);
+    ImportName *same = find_name(im, first);
+    unsigned long number = same ? same->n_same : 1;
+    while (taken_by(im, name)) snprintf(name, sizeof name, "%s_%lu", first, ++number);
+    if (same) same->n_same = number;
     char *kept = strdup(name), *copy = strdup(name);
     if (!kept || !copy || !ARRAY_ROOM(im->names, im->name_capacity, im->n_names)) {
         im->failed = true;
         free(kept);
         return copy;
     }
-    im->names[im->n_names++] = (ImportName){kept, kind};
+    im->names[im->n_names++] = (ImportName){kept, kind, 1};
     return copy;
 }
 

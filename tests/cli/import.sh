@@ -204,9 +204,10 @@ def file(name, nodes, materials, primitives):
 shape = {"attributes": {"POSITION": 0}, "indices": 1}
 file("many.gltf", [{"mesh": 0, "name": "same"} for i in range(n)], [{"name": "m"}] * 3000, [dict(shape, material=i % 3000) for i in range(3)])
 file("parts.gltf", [{"mesh": 0, "name": "a" * 300}], [{"name": "m"}] * 900, [dict(shape, material=i) for i in range(900)])
+file("names.gltf", [{"mesh": 0}], [{"name": "same"}] * 4000, [dict(shape, material=i) for i in range(4000)])
 file("huge.gltf", [{"mesh": 0, "translation": [1e30, 1e30, 0], "scale": [1e-30, 1e30, 1]}], [], [shape])
 PYTHON
-for file in many parts huge; do
+for file in many parts names huge; do
     (case $program in */asan/* | */hostile/* | */tsan/*) ;; *) ulimit -v 6000000; ulimit -t 60 ;; esac
      exec "$program" import $file.gltf > out 2> err < /dev/null)
     status=$?
