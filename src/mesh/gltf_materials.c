@@ -134,8 +134,8 @@ void gltf_list_materials(const Gltf *gltf, MeshSource *source)
 
 /* ---- images ---- */
 
-/* The bytes of an image that is within the file; a copy. */
-static void read_image(const Gltf *gltf, const json_t *json, MeshImage *image)
+/* The bytes of an image that is within the file; a copy, where there is still room for it. */
+static void read_image(const Gltf *gltf, const json_t *json, size_t *room, MeshImage *image)
 {
     const char *name = json_string_value(json_object_get(json, "name")),
                *uri = json_string_value(json_object_get(json, "uri"));
@@ -146,29 +146,34 @@ static void read_image(const Gltf *gltf, const json_t *json, MeshImage *image)
     }
     const unsigned char *bytes;
     size_t length;
-    if (uri || !gltf_view_bytes(gltf, json, &bytes, &length)) return;
+    if (uri || !gltf_view_bytes(gltf, json, &bytes, &length) || length > *room) return;
     image->bytes = malloc(length + 1);
     if (!image->bytes) return;
+    *room -= length;
     memcpy(image->bytes, bytes, length);
     image->length = length;
 }
 
-/* Whether any material has it: others would only be in the way. */
-static bool is_used(const MeshSource *source, size_t number)
+/* Those that a material has: others would only be in the way. NULL: memory ended. */
+static bool *find_used(const MeshSource *source, size_t n)
 {
-    for (size_t i = 0; i < source->n_materials; i++)
+    bool *used = calloc(n + 1, sizeof *used);
+    for (size_t i = 0; used && i < source->n_materials; i++)
         for (int k = 0; k < PICTURE_COUNT; k++)
-            if (source->materials[i].pictures[k].image == number) return true;
-    return false;
+            if (source->materials[i].pictures[k].image < n) used[source->materials[i].pictures[k].image] = true;
+    return used;
 }
 
 void gltf_list_images(const Gltf *gltf, MeshSource *source)
 {
+    enum { MOST_COPIES = 4 }; /* of the whole file; images may share their bytes, and a small file have very many */
     const json_t *images = json_object_get(gltf->root, "images");
-    size_t n = json_array_size(images);
+    size_t n = json_array_size(images), room = 0;
+    bool *used = find_used(source, n);
     source->images = calloc(n + 1, sizeof *source->images);
-    if (!source->images) return;
-    source->n_images = n;
-    for (size_t i = 0; i < n; i++)
-        if (is_used(source, i)) read_image(gltf, json_array_get(images, i), &source->images[i]);
+    if (source->images && used) source->n_images = n;
+    for (size_t i = 0; i < gltf->n_buffers; i++) room += MOST_COPIES * gltf->buffers[i].length;
+    for (size_t i = 0; i < source->n_images; i++)
+        if (used[i]) read_image(gltf, json_array_get(images, i), &room, &source->images[i]);
+    free(used);
 }

@@ -192,22 +192,31 @@ end
 
 begin "import: hostile files end soon"
 "$python" - << 'PYTHON'
-import json
+import base64, json
 n = 20000  # objects of one mesh, each of them its own material
 def file(name, nodes, materials, primitives):
     data = "data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAIBAAEDAAMCAQID"
-    json.dump({"asset": {"version": "2.0"}, "nodes": nodes, "meshes": [{"primitives": primitives}], "materials": materials,
-               "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
-                             {"bufferView": 1, "componentType": 5121, "count": 12, "type": "SCALAR"}],
-               "bufferViews": [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 12}],
-               "buffers": [{"byteLength": 60, "uri": data}]}, open(name, "w"))
+    root = {"asset": {"version": "2.0"}, "nodes": nodes, "meshes": [{"primitives": primitives}], "materials": materials,
+            "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
+                          {"bufferView": 1, "componentType": 5121, "count": 12, "type": "SCALAR"}],
+            "bufferViews": [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 12}],
+            "buffers": [{"byteLength": 60, "uri": data}]}
+    json.dump(root, open(name, "w"))
+    return root
 shape = {"attributes": {"POSITION": 0}, "indices": 1}
 file("many.gltf", [{"mesh": 0, "name": "same"} for i in range(n)], [{"name": "m"}] * 3000, [dict(shape, material=i % 3000) for i in range(3)])
 file("parts.gltf", [{"mesh": 0, "name": "a" * 300}], [{"name": "m"}] * 900, [dict(shape, material=i) for i in range(900)])
 file("names.gltf", [{"mesh": 0}], [{"name": "same"}] * 4000, [dict(shape, material=i) for i in range(4000)])
+shared = [{"name": "m%d" % i, "pbrMetallicRoughness": {"baseColorTexture": {"index": i}}} for i in range(2000)]
+root = file("shared.gltf", [{"mesh": 0}], shared, [dict(shape, material=0)])
+data = base64.b64encode(b"\x89PNG\r\n\x1a\n" + bytes(4 << 20)).decode()
+root["buffers"].append({"byteLength": (4 << 20) + 8, "uri": "data:;base64," + data})
+root["bufferViews"].append({"buffer": 1, "byteLength": (4 << 20) + 8})
+root.update(textures=[{"source": i} for i in range(2000)], images=[{"bufferView": 2, "mimeType": "image/png"}] * 2000)
+json.dump(root, open("shared.gltf", "w"))
 file("huge.gltf", [{"mesh": 0, "translation": [1e30, 1e30, 0], "scale": [1e-30, 1e30, 1]}], [], [shape])
 PYTHON
-for file in many parts names huge; do
+for file in many parts names shared huge; do
     (case $program in */asan/* | */hostile/* | */tsan/*) ;; *) ulimit -v 6000000; ulimit -t 60 ;; esac
      exec "$program" import $file.gltf > out 2> err < /dev/null)
     status=$?
