@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/attr.h"
 #include "base/buf.h"
 #include "base/file.h"
 #include "base/num.h"
@@ -36,26 +37,74 @@ typedef struct Library {
     MeshSource *source;
     const char *folder; /* of the library, from that of the OBJ file: "" or "maps/" */
     MeshMaterial material;
+    double strength; /* of its bumps */
     bool begun;
     bool by_blender; /* which counts shininess up to 1000 */
 } Library;
 
-/* The name of a file behind options, if there are any: "-bm 1 wax.png"; it may have blanks where there are none. */
-static char *file_behind(Line rest, const char *folder)
+/* ---- pictures ---- */
+
+/* What may stand before a picture's name, and how many words it has at most; those of numbers may have fewer. */
+static const struct PictureOption {
+    const char *name;
+    int most_words;
+    bool numbers;
+} picture_options[] = {{"-s", 3, true},       {"-o", 3, true},     {"-t", 3, true},      {"-bm", 1, true},
+                       {"-mm", 2, true},      {"-boost", 1, true}, {"-texres", 1, true}, {"-blendu", 1, false},
+                       {"-blendv", 1, false}, {"-cc", 1, false},   {"-clamp", 1, false}, {"-imfchan", 1, false},
+                       {"-type", 1, false}};
+
+/* Where the option's numbers go, if anywhere. They move v upward, and those of a MeshPicture downward: see read_picture. */
+static double *numbers_for(const char *option, MeshPicture *picture, double *strength)
 {
+    if (strcmp(option, "-s") == 0) return picture->scale;
+    if (strcmp(option, "-o") == 0) return picture->offset;
+    return strcmp(option, "-bm") == 0 ? strength : NULL;
+}
+
+/* Goes past an option at the begin of the line; false: there is none that is known. */
+static bool take_option(Line *rest, MeshPicture *picture, double *strength)
+{
+    Line behind = *rest, word = next_word(&behind);
+    const struct PictureOption *option = NULL;
+    for (size_t i = 0; i < COUNT_OF(picture_options) && !option; i++)
+        if (is_word(word, picture_options[i].name)) option = &picture_options[i];
+    if (!option) return false;
+    *rest = behind;
+    double *numbers = numbers_for(option->name, picture, strength);
+    for (int i = 0; i < option->most_words; i++) {
+        double number;
+        word = next_word(&behind);
+        size_t length = (size_t)(word.end - word.at);
+        bool is_number = length && num_parse(word.at, length, &number) == length && isfinite(number);
+        if (option->numbers && !is_number) break;
+        if (option->numbers && numbers && i < (numbers == strength ? 1 : 2)) numbers[i] = number;
+        if (strcmp(option->name, "-clamp") == 0 && is_word(word, "on")) picture->wrap = PICTURE_WRAP_CLAMP;
+        *rest = behind;
+    }
+    return true;
+}
+
+/* A picture behind its options: "-s 2 2 1 -bm 1 old wax.png". Behind one that is not known, the last word is the name. */
+static void read_picture(Line rest, const char *folder, MeshPicture *picture, double *strength)
+{
+    while (take_option(&rest, picture, strength)) continue;
     Line word = next_word(&rest), last = word;
     if (word.at < word.end && *word.at == '-')
         for (; word.at < word.end; word = next_word(&rest)) last = word;
     else
         last.end = rest.end;
-    if (last.at >= last.end) return NULL;
+    if (last.at >= last.end) return;
     Buf path = {0};
     bool absolute = *last.at == '/' || *last.at == '\\' || (last.end - last.at > 1 && last.at[1] == ':');
     buf_format(&path, "%s%.*s", absolute ? "" : folder, (int)(last.end - last.at), last.at);
     for (char *c = path.text; c && *c; c++)
         if (*c == '\\') *c = '/'; /* as Windows has it */
-    return path.text;
+    picture->file = path.text;
+    picture->offset[1] = 1 - picture->scale[1] - picture->offset[1];
 }
+
+/* ---- lines ---- */
 
 static void read_numbers(Line rest, const MaterialRow *row, MeshMaterial *material)
 {
@@ -80,7 +129,7 @@ static void read_line(Library *library, Line word, Line rest)
         if (!row->is_picture) {
             read_numbers(rest, row, material);
         } else if (!material->pictures[row->key].file) {
-            material->pictures[row->key].file = file_behind(rest, library->folder);
+            read_picture(rest, library->folder, &material->pictures[row->key], &library->strength);
         }
         return;
     }
@@ -137,6 +186,17 @@ static void find_roughness(const Library *library, MeshMaterial *material)
         *roughness = library->by_blender ? 1 - sqrt(shininess / most) : pow(2 / (shininess + 2), 0.25);
 }
 
+/* What Blender writes as bumps are normals: it exports the picture of its node Normal Map. */
+static void find_normals(const Library *library, MeshMaterial *material)
+{
+    MeshPicture *bumps = &material->pictures[PICTURE_BUMP], *normals = &material->pictures[PICTURE_NORMAL];
+    if (library->by_blender && bumps->file && !normals->file) {
+        *normals = *bumps;
+        bumps->file = NULL;
+    }
+    material->facts[FACT_NORMAL_STRENGTH][0] = library->strength;
+}
+
 /* What the material has besides what it says itself. Of libraries that give a name twice, the first counts. */
 static void end_material(Library *library)
 {
@@ -150,6 +210,7 @@ static void end_material(Library *library)
         if (material_says(material, FACT_REFLECTION) && mean_of(material->facts[FACT_REFLECTION]) == 0)
             material->facts[FACT_SPECULAR][0] = 0;
         find_roughness(library, material);
+        find_normals(library, material);
         mesh_source_material(library->source, material);
     }
     material_clear(material);
@@ -174,6 +235,7 @@ static void read_lines(const char *bytes, size_t length, const char *folder, Mes
         Line name = next_word(&line);
         name.end = line.end;
         library.material = material_new(name.at, name.end > name.at ? (size_t)(name.end - name.at) : 0);
+        library.strength = 1;
         library.begun = true;
     }
     end_material(&library);

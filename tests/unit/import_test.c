@@ -75,8 +75,8 @@ static char *formatted(const Buf *text)
     return first.out.text;
 }
 
-/* Imports a text as a file of that name, and builds the scene. */
-static void import_text_as(Made *made, const char *name, const char *text)
+/* Imports a text as a file of that name. */
+static void import_only(Made *made, const char *name, const char *text)
 {
     Error error;
     char path[256], beside[256];
@@ -91,6 +91,12 @@ static void import_text_as(Made *made, const char *name, const char *text)
     if (import_scene(&options, &made->source, made->mesh, &made->import, &error) != STATUS_OK)
         fail_msg("%s in %s", error.text, text);
     made->text = formatted(&made->import.text);
+}
+
+/* And builds the scene. */
+static void import_text_as(Made *made, const char *name, const char *text)
+{
+    import_only(made, name, text);
     fixture_good(&made->fixture, made->text);
     if (made->fixture.diag.n_warnings) {
         fixture_print(&made->fixture);
@@ -446,6 +452,35 @@ static void wavefront_materials_are_understood(void **state)
     }
 }
 
+static void pictures_of_wavefront_materials_stand_behind_options(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *library, *written;
+    } cases[] = {
+        {"map_Kd a b.png", "a b.png\" }  ior"},
+        {"map_Kd -s 2 2 1 -o 0.5 0.25 0 a b.png", "a b.png\"\n  translate(<-0.5, -0.25, 0>)  scale(<0.5, 0.5, 1>)"},
+        {"map_Kd -s 2 -bm 1 a b.png", "a b.png\"  scale(<0.5, 1, 1>)"},
+        {"map_Kd -s 1 1 1 -clamp on a b.png", "a b.png\"  wrap = clamp }"},
+        {"map_Kd -new 7 a.png", "picture a.png"},
+        {"map_Kd -s 1 1 1", "albedo = 0.8"},
+        {"map_Bump -bm 2 a b.png", "bump_height = "},
+    };
+    write_bytes(in_folder("a b.png"), "", 0);
+    for (size_t i = 0; i <= COUNT_OF(cases); i++) {
+        bool of_blender = i == COUNT_OF(cases);
+        Buf library = {0};
+        buf_format(&library, "%snewmtl m\n%s\n", of_blender ? "# Blender 4.1.0\n" : "",
+                   cases[of_blender ? i - 1 : i].library);
+        write_bytes(in_folder("m.mtl"), library.text, library.length);
+        buf_clear(&library);
+        Made made;
+        import_only(&made, "model.obj", "mtllib m.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 3 2\n");
+        assert_says(&made, of_blender ? "normal_strength = 2" : cases[i].written); /* whose bumps are normals */
+        made_clear(&made);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -459,6 +494,7 @@ int main(void)
         cmocka_unit_test(dim_lights_get_an_exposure),
         cmocka_unit_test(a_file_without_light_gets_some_and_a_floor_unless_it_has_one),
         cmocka_unit_test(wavefront_materials_are_understood),
+        cmocka_unit_test(pictures_of_wavefront_materials_stand_behind_options),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
