@@ -244,18 +244,20 @@ static void report(const Importing *importing, const Buf *written)
     if (shown < import->n_notes)
         talk_warning(talk, "and %zu more, which comments of the scene tell", import->n_notes - shown);
     if (!written->length || talk->quiet) return;
-    Buf counts = {0};
+    Buf counts = {0}, command = {0};
     add_count(&counts, import->n_objects, "object", "objects");
     add_count(&counts, import->n_media, "medium", "media");
     add_count(&counts, import->n_surfaces, "surface", "surfaces");
     add_count(&counts, import->n_lights, "light", "lights");
     add_count(&counts, import->n_cameras, "camera", "cameras");
+    add_for_shell(&command, importing->scene);
     if (printed)
         talk_event(talk, "done", "wrote %s", buf_text(written));
     else
         talk_event(talk, "done", "wrote %s: %s; to see it: meniscus %s", buf_text(written), buf_text(&counts),
-                   importing->scene);
+                   buf_text(&command));
     buf_clear(&counts);
+    buf_clear(&command);
 }
 
 static void importing_clear(Importing *importing)

@@ -128,7 +128,8 @@ static void describe_materials(const char *path, const MeshSource *source, Facts
     if (!n) return;
     add_number(facts, "materials", (double)n);
     Buf text = {0};
-    buf_format(&text, "meniscus import %s", path);
+    buf_add(&text, "meniscus import ");
+    add_for_shell(&text, path);
     add_fact(facts, "a scene that has them", buf_text(&text));
     buf_clear(&text);
 }

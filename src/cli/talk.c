@@ -181,6 +181,18 @@ const char *plural(uint64_t n)
     return n == 1 ? "" : "s";
 }
 
+void add_for_shell(Buf *line, const char *path)
+{
+    static const char plain[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-+=@:,./";
+    if (path[strspn(path, plain)] == 0) {
+        buf_add(line, path);
+        return;
+    }
+    buf_add(line, "'");
+    for (const char *c = path; *c; c++) *c == '\'' ? buf_add(line, "'\\''") : buf_add_bytes(line, c, 1);
+    buf_add(line, "'");
+}
+
 void seconds_print(double seconds, char text[32])
 {
     if (seconds < 59.95) {

@@ -39,6 +39,8 @@ bool terminal_is_capable(void);
 unsigned terminal_columns(void);
 /* What a noun ends with behind a number: "", or "s". */
 const char *plural(uint64_t n);
+/* A path as it can be typed after a command. */
+void add_for_shell(Buf *line, const char *path);
 /* "12.3 s", "2m05s", "1h02m" */
 void seconds_print(double seconds, char text[32]);
 

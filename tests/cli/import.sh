@@ -120,6 +120,16 @@ says err "option '--output': 'drink.glb' must end in .mns"
 no_leftovers
 end
 
+begin "import: names with blanks and quotes, in commands that are told"
+models
+run import bottle.obj -o "it's one.mns"
+exits 0
+says err "to see it: meniscus 'it'\\''s one.mns'"
+cp bottle.obj 'a bottle.obj'
+run info 'a bottle.obj'
+says out "meniscus import 'a bottle.obj'"
+end
+
 begin "import: to another folder, and to standard output"
 models
 mkdir -p models scenes/new
