@@ -97,6 +97,12 @@ static bool find_beside(const Importer *im, const char *file, Buf *real, const c
     return false;
 }
 
+static bool has_stem(const char *name, const char *stem)
+{
+    size_t n = file_stem_length(name);
+    return strlen(stem) == n && strncasecmp(name, stem, n) == 0;
+}
+
 /* Adds the name that the scene has for it; nothing after a note. */
 static void picture_beside(Importer *im, const char *file, Buf *name)
 {
@@ -110,6 +116,7 @@ static void picture_beside(Importer *im, const char *file, Buf *name)
         import_note(im, "its picture '%s' is not there, and is left out", buf_text(&shown));
     else
         buf_format(name, "%s%s", *found == '/' ? "" : im->options->folder, found);
+    if (name->length && has_stem(file_name(name->text), im->options->stem)) im->stem_is_read = true;
     buf_clear(&shown);
     buf_clear(&real);
 }

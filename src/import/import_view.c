@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/angle.h"
+#include "base/attr.h"
 #include "import/import_parts.h"
 
 static const double azimuth = 30, elevation = 22, lens = 28; /* degrees: of the camera where the file has none */
@@ -255,6 +256,25 @@ static void write_camera(Importer *im, const MeshCamera *camera)
     im->out->n_cameras++;
 }
 
+/* The pictures that are rendered: called after the scene, but for what would be the number of a frame, and never as a picture that
+ * the scene reads. */
+static void add_outputs(const Importer *im, Buf *out)
+{
+    static const char *const endings[] = {".exr", ".png"};
+    for (size_t i = 0; i < COUNT_OF(endings); i++) {
+        Buf name = {0};
+        buf_add(&name, im->options->stem);
+        for (char *c = name.text; c && *c; c++)
+            if (*c == '#' || *c == '%') *c = '_';
+        if (im->stem_is_read) buf_add(&name, "-render");
+        buf_add(&name, endings[i]);
+        buf_add(out, i ? ", " : "[");
+        add_string(out, buf_text(&name));
+        buf_clear(&name);
+    }
+    buf_add(out, "]");
+}
+
 void import_write_cameras(Importer *im)
 {
     const MeshSource *source = im->source;
@@ -273,15 +293,7 @@ void import_write_cameras(Importer *im)
         node_number(&film, "exposure", im->exposure);
     }
     buf_format(node_prop(&film, "size"), "<%.0f, %.0f>", width, round(width / shape));
-    Buf name = {0}, *out = node_prop(&film, "output");
-    for (int i = 0; i < 2; i++) {
-        buf_clear(&name);
-        buf_format(&name, "%s.%s", im->options->stem, i ? "png" : "exr");
-        buf_add(out, i ? ", " : "[");
-        add_string(out, buf_text(&name));
-    }
-    buf_clear(&name);
-    buf_add(out, "]");
+    add_outputs(im, node_prop(&film, "output"));
     node_end(&film);
     NodeText render = node_begin(im, "render", NULL);
     node_number(&render, "samples", 256);

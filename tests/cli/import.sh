@@ -120,6 +120,24 @@ says err "option '--output': 'drink.glb' must end in .mns"
 no_leftovers
 end
 
+begin "import: the picture that is rendered is not the one that is read, nor the number of a frame"
+models
+cp bottle.obj 'a#1 %d.obj'
+run import 'a#1 %d.obj'
+exits 0
+is_a_scene 'a#1 %d.mns'
+printf 'newmtl m\nmap_Kd plain.png\n' > plain.mtl
+printf 'mtllib plain.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' > plain.obj
+run import drink.glb -o picture.mns
+mv picture-Oak_Planks.png plain.png
+run import plain.obj
+exits 0
+matches plain.mns 'output = \["plain-render.exr", "plain-render.png"\]'
+run plain.mns -s 1 --scale 5%
+exits 0
+there plain-render.png
+end
+
 begin "import: names with blanks and quotes, in commands that are told"
 models
 run import bottle.obj -o "it's one.mns"
