@@ -173,6 +173,22 @@ static bool holds(const char *path, const char *bytes, size_t length)
     return same;
 }
 
+/* The names of pictures are the file's: what has one may be no link to elsewhere, either. */
+static Status look_at_picture(Importing *importing, size_t i, const char *path, Error *error)
+{
+    const ImportPicture *picture = &importing->import.pictures[i];
+    bool force = option_given(importing->options, OPTION_FORCE), there = file_kind(path) == FILE_REGULAR;
+    if (there && !file_lies_in(path, importing->scene_folder))
+        return fail(error, STATUS_OUTPUT, "'%s' is a link to another folder, where no picture is written", path);
+    if (!there || force) return output_probe(path, error);
+    importing->is_written[i] = holds(path, picture->bytes, picture->length);
+    if (importing->is_written[i]) return STATUS_OK;
+    return fail(error, STATUS_OUTPUT,
+                "'%s' is there already, and is not the picture of that name in '%s': '-o OTHER.mns' writes others, "
+                "'--force' replaces it",
+                path, importing->path);
+}
+
 /* Whether all can be written, and nothing is lost by it. */
 static Status look_at_outputs(Importing *importing, Error *error)
 {
@@ -189,19 +205,9 @@ static Status look_at_outputs(Importing *importing, Error *error)
     importing->is_written = calloc(import->n_pictures + 1, sizeof *importing->is_written);
     if (!importing->is_written) return fail_memory(error, import->n_pictures, "the pictures of a scene");
     for (size_t i = 0; i < import->n_pictures; i++) {
-        const ImportPicture *picture = &import->pictures[i];
-        char *path = joined(importing->scene_folder, picture->name);
-        if (!path) return fail_memory(error, strlen(picture->name), "the name of a picture");
-        bool there = !force && file_kind(path) == FILE_REGULAR;
-        importing->is_written[i] = there && holds(path, picture->bytes, picture->length);
-        Status status = STATUS_OK;
-        if (there && !importing->is_written[i])
-            status = fail(error, STATUS_OUTPUT,
-                          "'%s' is there already, and is not the picture of that name in '%s': '-o OTHER.mns' writes "
-                          "others, '--force' replaces it",
-                          path, importing->path);
-        else if (!there)
-            status = output_probe(path, error);
+        char *path = joined(importing->scene_folder, import->pictures[i].name);
+        if (!path) return fail_memory(error, strlen(import->pictures[i].name), "the name of a picture");
+        Status status = look_at_picture(importing, i, path, error);
         free(path);
         TRY(status);
     }

@@ -114,6 +114,13 @@ run import drink.glb -f -q
 exits 0
 empty err
 is_a_scene drink.mns
+mkdir elsewhere inside
+mv drink-Oak_Planks.png elsewhere
+ln -s ../elsewhere/drink-Oak_Planks.png inside/drink-Oak_Planks.png
+run import drink.glb -f -o inside/drink.mns
+exits 5
+says err "'inside/drink-Oak_Planks.png' is a link to another folder, where no picture is written"
+gone inside/drink.mns
 run import drink.glb -o drink.glb --force
 exits 2
 says err "option '--output': 'drink.glb' must end in .mns"
