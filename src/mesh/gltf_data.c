@@ -55,6 +55,14 @@ static Status item_numbered(const Gltf *gltf, size_t number, const char *list, c
     return gltf_fail(gltf, "there is no number %zu of its %zu %s", number, json_array_size(items), list);
 }
 
+const json_t *gltf_numbered(const json_t *list, const json_t *number, size_t *place)
+{
+    json_int_t i = json_integer_value(number);
+    if (!json_is_integer(number) || i < 0) return NULL;
+    if (place) *place = (size_t)i;
+    return json_array_get(list, (size_t)i);
+}
+
 Status gltf_item(const Gltf *gltf, const json_t *holder, const char *key, const char *list, const json_t **item)
 {
     size_t number;

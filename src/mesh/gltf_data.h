@@ -36,6 +36,8 @@ ATTR_NODISCARD Status gltf_item(const Gltf *gltf, const json_t *holder, const ch
 /* The same for the number at a place of an array. */
 ATTR_NODISCARD Status gltf_item_at(const Gltf *gltf, const json_t *array, size_t place, const char *list,
                                    size_t *number, const json_t **item);
+/* The item of a list that a number of the file stands for, and its place, if that is wanted; NULL: none. */
+const json_t *gltf_numbered(const json_t *list, const json_t *number, size_t *place);
 /* The accessor that holder[key] numbers: *count times n floats, malloc'd, finite. */
 ATTR_NODISCARD Status gltf_read_floats(const Gltf *gltf, const json_t *holder, const char *key, int n, float **out,
                                        size_t *count);

@@ -31,11 +31,7 @@ static void read_fact(const json_t *material, const MaterialRow *row, MeshMateri
 /* The item of a list of the file that a number in an object stands for; NULL: none. */
 static const json_t *item_of(const Gltf *gltf, const json_t *holder, const char *key, const char *list, size_t *place)
 {
-    const json_t *number = json_object_get(holder, key);
-    json_int_t i = json_integer_value(number);
-    if (!json_is_integer(number) || i < 0) return NULL;
-    if (place) *place = (size_t)i;
-    return json_array_get(json_object_get(gltf->root, list), (size_t)i);
+    return gltf_numbered(json_object_get(gltf->root, list), json_object_get(holder, key), place);
 }
 
 static void read_pair(const json_t *holder, const char *key, double pair[2])
