@@ -105,6 +105,7 @@ static void write_head(Importer *im)
         [MESH_LEFT_COLORS] = "colours of vertices are not taken: a picture can have them",
         [MESH_LEFT_LINES] = "its points and lines have no surface, and are left out",
         [MESH_LEFT_INSTANCES] = "its instances (EXT_mesh_gpu_instancing) are left out: export them as objects",
+        [MESH_LEFT_MATERIALS] = "it has more materials than are read: the last ones are plain here",
     };
     for (int i = 0; i < MESH_LEFT_COUNT; i++)
         if (source->left_out >> i & 1) import_note(im, "%s", left_out[i]);

@@ -208,6 +208,7 @@ void mesh_source_material(MeshSource *source, MeshMaterial *material)
         if (strlen(material->name) > LONGEST_NAME) material->name[LONGEST_NAME] = 0;
         source->materials[source->n_materials++] = *material;
     } else {
+        source->left_out |= 1U << MESH_LEFT_MATERIALS;
         material_clear(material);
     }
     *material = (MeshMaterial){.name = NULL};

@@ -389,6 +389,21 @@ static void what_is_left_out_is_told(void **state)
     made_clear(&made);
 }
 
+static void a_file_with_very_many_materials_is_read_in_part(void **state)
+{
+    (void)state;
+    Buf text = {0};
+    buf_add(&text,
+            HEAD "\"nodes\": [{\"mesh\": 0}], \"meshes\": [{\"primitives\": [" CLOSED "}]}], \"materials\": [{}");
+    for (int i = 0; i < 5000; i++) buf_add(&text, ", {}");
+    buf_add(&text, "], " BUFFERS "}");
+    Made made;
+    import_text(&made, buf_text(&text));
+    assert_notes(&made, "it has more materials than are read");
+    made_clear(&made);
+    buf_clear(&text);
+}
+
 /* 100 candela at two metres. */
 static void dim_lights_get_an_exposure(void **state)
 {
@@ -491,6 +506,7 @@ int main(void)
         cmocka_unit_test(whatever_a_material_says_a_scene_comes_of_it),
         cmocka_unit_test(lights_and_cameras_stand_where_the_file_has_them),
         cmocka_unit_test(what_is_left_out_is_told),
+        cmocka_unit_test(a_file_with_very_many_materials_is_read_in_part),
         cmocka_unit_test(dim_lights_get_an_exposure),
         cmocka_unit_test(a_file_without_light_gets_some_and_a_floor_unless_it_has_one),
         cmocka_unit_test(wavefront_materials_are_understood),
