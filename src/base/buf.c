@@ -2,7 +2,6 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "base/buf.h"
 
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -52,19 +51,24 @@ void buf_add_repeat(Buf *buf, char byte, size_t count)
     buf->text[buf->length] = 0;
 }
 
-void buf_format(Buf *buf, const char *format, ...)
+void buf_format_list(Buf *buf, const char *format, va_list arguments)
 {
-    va_list args;
-    va_start(args, format);
     va_list again;
-    va_copy(again, args);
-    int length = vsnprintf(NULL, 0, format, args);
-    va_end(args);
+    va_copy(again, arguments);
+    int length = vsnprintf(NULL, 0, format, arguments);
     if (length >= 0 && buf_reserve(buf, (size_t)length)) {
         vsnprintf(buf->text + buf->length, (size_t)length + 1, format, again);
         buf->length += (size_t)length;
     }
     va_end(again);
+}
+
+void buf_format(Buf *buf, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    buf_format_list(buf, format, arguments);
+    va_end(arguments);
 }
 
 void buf_add_shown(Buf *buf, const char *text, size_t most)

@@ -4,6 +4,7 @@
 #ifndef MEN_BUF_H
 #define MEN_BUF_H
 
+#include <stdarg.h>
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -20,6 +21,7 @@ void buf_add(Buf *buf, const char *text);
 void buf_add_bytes(Buf *buf, const char *bytes, size_t length);
 void buf_add_repeat(Buf *buf, char byte, size_t count);
 void buf_format(Buf *buf, const char *format, ...) ATTR_PRINTF(2, 3);
+void buf_format_list(Buf *buf, const char *format, va_list arguments) ATTR_PRINTF(2, 0);
 /* Adds a text of others on one line: what is no text, or would move a cursor, is '?'; behind `most` characters it ends in "...". */
 void buf_add_shown(Buf *buf, const char *text, size_t most);
 /* The text, "" when empty. */

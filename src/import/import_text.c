@@ -222,14 +222,16 @@ static void say(Importer *im, bool note, const char *format, va_list arguments) 
 /* In a comment it is a sentence. */
 static void say(Importer *im, bool note, const char *format, va_list arguments)
 {
-    char text[1024];
-    vsnprintf(text, sizeof text - 1, format, arguments);
+    Buf text = {0};
+    buf_format_list(&text, format, arguments);
     if (note) {
-        note_text(im, text);
-        text[0] = (char)toupper((unsigned char)text[0]);
-        memcpy(text + strlen(text), ".", 2);
+        note_text(im, buf_text(&text));
+        if (text.text) text.text[0] = (char)toupper((unsigned char)text.text[0]);
+        buf_add(&text, ".");
     }
-    add_comment(&im->comment, text);
+    add_comment(&im->comment, buf_text(&text));
+    im->failed |= text.failed;
+    buf_clear(&text);
 }
 
 void import_say(Importer *im, const char *format, ...)

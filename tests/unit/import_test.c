@@ -404,6 +404,32 @@ static void a_file_with_very_many_materials_is_read_in_part(void **state)
     buf_clear(&text);
 }
 
+static void long_descriptions_are_whole(void **state)
+{
+    (void)state;
+    static const char *const keys[] = {"clearcoatTexture", "clearcoatRoughnessTexture", "clearcoatNormalTexture"};
+    Buf text = {0};
+    char name[101] = {0};
+    memset(name, 'n', sizeof name - 1);
+    buf_add(&text, LOOK(", \"baseColorTexture\": {\"index\": 0}, \"metallicRoughnessTexture\": {\"index\": 0}"));
+    buf_add(&text, ", \"normalTexture\": {\"index\": 0}, \"emissiveTexture\": {\"index\": 0}, \"extensions\": {"
+                   "\"KHR_materials_sheen\": {\"sheenColorTexture\": {\"index\": 0}}, "
+                   "\"KHR_materials_iridescence\": {\"iridescenceTexture\": {\"index\": 0}, "
+                   "\"iridescenceThicknessTexture\": {\"index\": 0}}, "
+                   "\"KHR_materials_anisotropy\": {\"anisotropyTexture\": {\"index\": 0}}, "
+                   "\"KHR_materials_clearcoat\": {");
+    for (size_t i = 0; i < COUNT_OF(keys); i++) buf_format(&text, "%s\"%s\": {\"index\": 0}", i ? ", " : "", keys[i]);
+    buf_format(&text, "}}}], \"textures\": [{\"source\": 0}], \"images\": [{\"uri\": \"%s\"}", name);
+    Made made;
+    import_material(&made, CLOSED, buf_text(&text));
+    const char *at = made.text;
+    size_t n = 0;
+    while ((at = strstr(at, name)) != NULL) n++, at += sizeof name - 1;
+    assert_int_equal(n, 11);
+    made_clear(&made);
+    buf_clear(&text);
+}
+
 /* 100 candela at two metres. */
 static void dim_lights_get_an_exposure(void **state)
 {
@@ -507,6 +533,7 @@ int main(void)
         cmocka_unit_test(lights_and_cameras_stand_where_the_file_has_them),
         cmocka_unit_test(what_is_left_out_is_told),
         cmocka_unit_test(a_file_with_very_many_materials_is_read_in_part),
+        cmocka_unit_test(long_descriptions_are_whole),
         cmocka_unit_test(dim_lights_get_an_exposure),
         cmocka_unit_test(a_file_without_light_gets_some_and_a_floor_unless_it_has_one),
         cmocka_unit_test(wavefront_materials_are_understood),
