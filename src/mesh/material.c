@@ -74,7 +74,7 @@ void material_describe(const MeshMaterial *material, Buf *out)
             buf_add(out, " ");
             buf_add_shown(out, picture->file ? picture->file : "within the file", LONGEST_SHOWN);
         }
-        for (int k = 0; k < row->n; k++) buf_format(out, " %.3g", material->facts[row->key][k]);
+        for (int k = 0; k < row->n; k++) buf_format(out, " %.4g", material->facts[row->key][k]);
     }
     if (material->unlit) buf_format(out, "%sunlit", out->length > begin ? ", " : "");
 }
