@@ -212,10 +212,10 @@ static void write_medium(Importer *im, const ImportMaterial *material)
 
 void import_write_materials(Importer *im)
 {
-    bool any_state = false;
-    for (size_t i = 0; i < im->source->n_materials; i++) any_state |= im->materials[i].medium != NULL;
+    size_t n_media = 0;
+    for (size_t i = 0; i < im->source->n_materials; i++) n_media += im->materials[i].medium != NULL;
     import_begin_section(im, "Materials");
-    if (any_state)
+    if (n_media > 1)
         import_say(im, "Which media are solid and which liquid was guessed by name and index: where a solid and a "
                        "liquid overlap, the solid is there.");
     import_write_comment(im);
