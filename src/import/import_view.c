@@ -39,6 +39,15 @@ static double round_down(double value)
 /* Candela, and lux, are 683 lumen to the watt: so Blender exports them unless told otherwise. */
 static const double lumen_to_watt = 1.0 / 683;
 
+static bool camera_is_near(const Importer *im, Vec3 at, double distance)
+{
+    for (size_t i = 0; i < im->source->n_cameras; i++) {
+        Vec3 from = to_scene(im, &im->source->cameras[i].to_world, vec3(0, 0, 0));
+        if (vec3_length(vec3_sub(from, at)) < distance) return true;
+    }
+    return false;
+}
+
 static void write_light(Importer *im, const MeshLight *light)
 {
     static const char *const shapes[] = {"sphere", "disc", "distant"};
@@ -46,6 +55,10 @@ static void write_light(Importer *im, const MeshLight *light)
     double radius = round_down(size_of(im->all) / 50);
     Vec3 at = to_scene(im, &light->to_world, vec3(0, 0, 0)), along = direction_of(&light->to_world, vec3(0, 0, -1));
     double away = size_of(im->all);
+    if (light->kind == MESH_LIGHT_SPOT && camera_is_near(im, at, radius)) {
+        import_say(im, "It is moved back by its radius: a camera is where it was, and would be on its surface.");
+        at = vec3_sub(at, vec3_scale(along, radius));
+    }
     char *name = import_name(im, light->name, "lamp", "lamp");
     NodeText node = node_begin(im, "light", name);
     node_word(&node, "shape", shapes[light->kind]);
@@ -61,6 +74,10 @@ static void write_light(Importer *im, const MeshLight *light)
         node_number(&node, "angle", double_min(2 * light->outer / MEN_DEGREE, 180));
         node_number(&node, "blend", 1 - light->inner / light->outer);
         node_number(&node, "radiance", watts / (MEN_PI * metres * metres));
+        import_say(
+            im,
+            "A spot of %.4g W in Blender, which counts what its cone keeps back, too: radiance is that of its disc.",
+            4 * MEN_PI * watts);
     } else {
         node_number(&node, "power", light->kind == MESH_LIGHT_POINT ? 4 * MEN_PI * watts : watts);
     }

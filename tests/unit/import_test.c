@@ -430,6 +430,22 @@ static void long_descriptions_are_whole(void **state)
     buf_clear(&text);
 }
 
+/* A lamp on a camera, as rigs have it. */
+static void a_spot_is_not_where_a_camera_is(void **state)
+{
+    (void)state;
+    Made made;
+    import_text(&made,
+                HEAD "\"nodes\": [{\"mesh\": 0}, {\"translation\": [0.25, 0.25, 5], \"camera\": 0, \"extensions\": "
+                     "{\"KHR_lights_punctual\": {\"light\": 0}}}], \"cameras\": [{\"perspective\": {\"yfov\": 0.5}}], "
+                     "\"extensions\": {\"KHR_lights_punctual\": {\"lights\": [{\"type\": \"spot\", \"intensity\": "
+                     "1000}]}}, \"meshes\": [{\"primitives\": [" CLOSED "}]}], " BUFFERS "}");
+    assert_says(&made, "It is moved back by its radius");
+    assert_says(&made, "shape = disc  from = <25, 25, 502>");
+    assert_says(&made, "A spot of 18.4 W in Blender");
+    made_clear(&made);
+}
+
 /* 100 candela at two metres. */
 static void dim_lights_get_an_exposure(void **state)
 {
@@ -534,6 +550,7 @@ int main(void)
         cmocka_unit_test(what_is_left_out_is_told),
         cmocka_unit_test(a_file_with_very_many_materials_is_read_in_part),
         cmocka_unit_test(long_descriptions_are_whole),
+        cmocka_unit_test(a_spot_is_not_where_a_camera_is),
         cmocka_unit_test(dim_lights_get_an_exposure),
         cmocka_unit_test(a_file_without_light_gets_some_and_a_floor_unless_it_has_one),
         cmocka_unit_test(wavefront_materials_are_understood),
