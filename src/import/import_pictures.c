@@ -124,12 +124,18 @@ static void picture_beside(Importer *im, const char *file, Buf *name)
 /* ---- textures ---- */
 
 /* As KHR_texture_transform has it, whose v counts downward; a texture is moved, where there its coordinates are. */
-static void add_transform(const MeshPicture *picture, Buf *out)
+static void add_transform(Importer *im, const MeshPicture *picture, Buf *out)
 {
+    const double most = 1e6; /* what is smaller or larger shows nothing of a picture */
     double sine = sin(picture->turned), cosine = cos(picture->turned);
     const double *scale = picture->scale;
     double x = picture->offset[0] + sine * scale[1], y = 1 - picture->offset[1] - cosine * scale[1];
-    if (!isfinite(x + y) || scale[0] == 0 || scale[1] == 0) return;
+    bool fine = fabs(x) <= most && fabs(y) <= most;
+    for (int i = 0; i < 2; i++) fine = fine && fabs(scale[i]) >= 1 / most && fabs(scale[i]) <= most;
+    if (!fine) {
+        import_note(im, "its picture is scaled or moved so far that nothing is left of it: this is not taken");
+        return;
+    }
     if (fabs(x) > 1e-6 || fabs(y) > 1e-6) {
         buf_add(out, "  translate(<");
         add_number(out, -x);
@@ -190,7 +196,7 @@ char *import_picture(Importer *im, const MeshPicture *picture, const char *key, 
     if (picture->wrap == PICTURE_WRAP_CLAMP) buf_add(&text, "  wrap = clamp");
     if (picture->wrap == PICTURE_WRAP_MIRROR) buf_add(&text, "  wrap = mirror");
     buf_add(&text, props);
-    add_transform(picture, &transform);
+    add_transform(im, picture, &transform);
     im->failed |= text.failed || transform.failed;
     if (text.length + transform.length > LONGEST) {
         char *value = named(im, key, &text, &transform);

@@ -521,6 +521,7 @@ static void pictures_of_wavefront_materials_stand_behind_options(void **state)
         {"map_Kd -s 1 1 1 -clamp on a b.png", "a b.png\"  wrap = clamp }"},
         {"map_Kd -new 7 a.png", "picture a.png"},
         {"map_Kd -s 1 1 1", "albedo = 0.8"},
+        {"map_Kd -s 1e-300 1e-300 a b.png", "scaled or moved so far"},
         {"map_Bump -bm 2 a b.png", "bump_height = "},
     };
     write_bytes(in_folder("a b.png"), "", 0);
