@@ -48,6 +48,17 @@ static bool camera_is_near(const Importer *im, Vec3 at, double distance)
     return false;
 }
 
+/* Within what a scene can have: coordinates, cones, radiances. */
+static bool can_be_written(const Importer *im, const MeshLight *light, double radius_m)
+{
+    const double farthest = 1e14, brightest = 1e29, least_area = 1e-5 /* of a distant light: steradians */;
+    Vec3 at = to_scene(im, &light->to_world, vec3(0, 0, 0));
+    double color = double_max(double_max(light->color[0], light->color[1]), double_max(light->color[2], 1));
+    double area = light->kind == MESH_LIGHT_DISTANT ? least_area : MEN_PI * radius_m * radius_m;
+    bool narrow = light->kind == MESH_LIGHT_SPOT && light->outer < 1e-5;
+    return vec3_length(at) < farthest && light->intensity * lumen_to_watt * color < brightest * area && !narrow;
+}
+
 static void write_light(Importer *im, const MeshLight *light)
 {
     static const char *const shapes[] = {"sphere", "disc", "distant"};
@@ -55,6 +66,11 @@ static void write_light(Importer *im, const MeshLight *light)
     double radius = round_down(size_of(im->all) / 50);
     Vec3 at = to_scene(im, &light->to_world, vec3(0, 0, 0)), along = direction_of(&light->to_world, vec3(0, 0, -1));
     double away = size_of(im->all);
+    if (!can_be_written(im, light, radius * im->scene_m)) {
+        import_note(im, "one of its lights is too far away, too narrow or too bright, and is left out");
+        import_write_comment(im);
+        return;
+    }
     if (light->kind == MESH_LIGHT_SPOT && camera_is_near(im, at, radius)) {
         import_say(im, "It is moved back by its radius: a camera is where it was, and would be on its surface.");
         at = vec3_sub(at, vec3_scale(along, radius));

@@ -430,6 +430,31 @@ static void long_descriptions_are_whole(void **state)
     buf_clear(&text);
 }
 
+static void lights_beyond_all_measure_are_left_out(void **state)
+{
+    (void)state;
+    static const char *const cases[][2] = {
+        {"0, 0, 0", "\"type\": \"point\", \"intensity\": 1e300"},
+        {"0, 0, 0", "\"type\": \"directional\", \"intensity\": 1e300"},
+        {"0, 0, 0", "\"type\": \"spot\", \"intensity\": 10, \"color\": [1e300, 0, 0]"},
+        {"0, 0, 0", "\"type\": \"spot\", \"spot\": {\"outerConeAngle\": 1e-9}"},
+        {"1e20, 0, 0", "\"type\": \"point\""},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        Buf text = {0};
+        buf_format(&text,
+                   HEAD "\"nodes\": [{\"mesh\": 0}, {\"translation\": [%s], \"extensions\": {\"KHR_lights_punctual\": "
+                        "{\"light\": 0}}}], \"extensions\": {\"KHR_lights_punctual\": {\"lights\": [{%s}]}}, "
+                        "\"meshes\": [{\"primitives\": [" CLOSED "}]}], " BUFFERS "}",
+                   cases[i][0], cases[i][1]);
+        Made made;
+        import_text(&made, buf_text(&text));
+        assert_notes(&made, "too far away, too narrow or too bright");
+        made_clear(&made);
+        buf_clear(&text);
+    }
+}
+
 /* A lamp on a camera, as rigs have it. */
 static void a_spot_is_not_where_a_camera_is(void **state)
 {
@@ -551,6 +576,7 @@ int main(void)
         cmocka_unit_test(what_is_left_out_is_told),
         cmocka_unit_test(a_file_with_very_many_materials_is_read_in_part),
         cmocka_unit_test(long_descriptions_are_whole),
+        cmocka_unit_test(lights_beyond_all_measure_are_left_out),
         cmocka_unit_test(a_spot_is_not_where_a_camera_is),
         cmocka_unit_test(dim_lights_get_an_exposure),
         cmocka_unit_test(a_file_without_light_gets_some_and_a_floor_unless_it_has_one),
