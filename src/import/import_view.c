@@ -280,10 +280,13 @@ static void write_camera(Importer *im, const MeshCamera *camera)
     if (fabs(right.y) > 1e-4 || fabs(along.y) > 0.999)
         node_point(&node, "up",
                    vec3_scale(direction_of(&camera->to_world, vec3(0, 1, 0)), round_down(size_of(im->all))));
+    const double widest = 1e14, least_fov = 0.01, most_fov = 179;
+    double width = camera->width * im->file_m / im->scene_m,
+           fov = 2 * atan(shape_of(camera) * tan(camera->fov_y / 2)) / MEN_DEGREE;
     if (camera->orthographic)
-        add_coordinate(im, node_prop(&node, "width"), camera->width * im->file_m / im->scene_m);
+        add_coordinate(im, node_prop(&node, "width"), double_min(double_max(width, im->step), widest));
     else
-        node_number(&node, "fov", 2 * atan(shape_of(camera) * tan(camera->fov_y / 2)) / MEN_DEGREE);
+        node_number(&node, "fov", double_min(double_max(fov, least_fov), most_fov));
     node_end(&node);
     free(name);
     im->out->n_cameras++;

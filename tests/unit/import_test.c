@@ -455,6 +455,30 @@ static void lights_beyond_all_measure_are_left_out(void **state)
     }
 }
 
+static void cameras_see_something(void **state)
+{
+    (void)state;
+    static const char *const cases[][2] = {
+        {"\"perspective\": {\"yfov\": 1e-9}", "fov = 0.01 "},
+        {"\"perspective\": {\"yfov\": 3.14159}", "fov = 179 "},
+        {"\"perspective\": {\"yfov\": 3.14, \"aspectRatio\": 1e30}", "fov = 179 "},
+        {"\"orthographic\": {\"xmag\": 1e30, \"ymag\": 1}", "width = 1"},
+        {"\"orthographic\": {\"xmag\": 1e-30, \"ymag\": 1}", "width = 0.01 "},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        Buf text = {0};
+        buf_format(&text,
+                   HEAD "\"nodes\": [{\"mesh\": 0}, {\"translation\": [0.2, 0.3, 5], \"camera\": 0}], \"cameras\": "
+                        "[{%s}], \"meshes\": [{\"primitives\": [" CLOSED "}]}], " BUFFERS "}",
+                   cases[i][0]);
+        Made made;
+        import_text(&made, buf_text(&text));
+        assert_says(&made, cases[i][1]);
+        made_clear(&made);
+        buf_clear(&text);
+    }
+}
+
 /* A lamp on a camera, as rigs have it. */
 static void a_spot_is_not_where_a_camera_is(void **state)
 {
@@ -577,6 +601,7 @@ int main(void)
         cmocka_unit_test(a_file_with_very_many_materials_is_read_in_part),
         cmocka_unit_test(long_descriptions_are_whole),
         cmocka_unit_test(lights_beyond_all_measure_are_left_out),
+        cmocka_unit_test(cameras_see_something),
         cmocka_unit_test(a_spot_is_not_where_a_camera_is),
         cmocka_unit_test(dim_lights_get_an_exposure),
         cmocka_unit_test(a_file_without_light_gets_some_and_a_floor_unless_it_has_one),
