@@ -77,7 +77,7 @@ static uint32_t owner_of(const Importer *im, const ImportItem *item)
     return IMPORT_NONE;
 }
 
-static uint32_t material_of(const Importer *im, const ImportItem *item)
+static uint32_t find_material_of(const Importer *im, const ImportItem *item)
 {
     uint32_t part = part_of_kind(im, item->parts, item->n_parts, "material");
     if (part == IMPORT_NONE) return IMPORT_NONE;
@@ -188,7 +188,7 @@ static Status find_item(Importer *im, Gatherer *gatherer, const SortedRun *first
         item->n_parts = run->n_parts;
         item->n_triangles = 0;
         for (const SortedRun *at = first; at < end; at++) item->n_triangles += im->source->runs[at->run].n_triangles;
-        item->material = material_of(im, item);
+        item->material = find_material_of(im, item);
         uint32_t owner =
             im->by_material ? part_of_kind(im, item->parts, item->n_parts, "material") : owner_of(im, item);
         if (owner != IMPORT_NONE) item->called = im->source->parts[owner].name;

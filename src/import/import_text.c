@@ -41,7 +41,7 @@ static bool is_word_of_language(const char *name)
     return false;
 }
 
-static ImportName *find_name(const Importer *im, const char *name)
+static ImportName *find_name_taken(const Importer *im, const char *name)
 {
     for (size_t i = 0; i < im->n_names; i++)
         if (strcmp(im->names[i].text, name) == 0) return &im->names[i];
@@ -51,7 +51,7 @@ static ImportName *find_name(const Importer *im, const char *name)
 /* What has the name; NULL: nothing. */
 static const char *taken_by(const Importer *im, const char *name)
 {
-    const ImportName *found = find_name(im, name);
+    const ImportName *found = find_name_taken(im, name);
     if (found) return found->kind;
     return is_word_of_language(name) ? "" : NULL;
 }
@@ -92,7 +92,7 @@ char *import_name(Importer *im, const char *called, const char *unspelt, const c
         snprintf(first, sizeof first, "%s_%s", stem, kind);
         snprintf(name, sizeof name, "%s", first);
     }
-    ImportName *same = find_name(im, first);
+    ImportName *same = find_name_taken(im, first);
     unsigned long number = same ? same->n_same : 1;
     while (taken_by(im, name)) snprintf(name, sizeof name, "%s_%lu", first, ++number);
     if (same) same->n_same = number;

@@ -49,7 +49,7 @@ static bool camera_is_near(const Importer *im, Vec3 at, double distance)
 }
 
 /* Within what a scene can have: coordinates, cones, radiances. */
-static bool can_be_written(const Importer *im, const MeshLight *light, double radius_m)
+static bool light_has_measure(const Importer *im, const MeshLight *light, double radius_m)
 {
     const double farthest = 1e14, brightest = 1e29, least_area = 1e-5 /* of a distant light: steradians */;
     Vec3 at = to_scene(im, &light->to_world, vec3(0, 0, 0));
@@ -66,7 +66,7 @@ static void write_light(Importer *im, const MeshLight *light)
     double radius = round_down(size_of(im->all) / 50);
     Vec3 at = to_scene(im, &light->to_world, vec3(0, 0, 0)), along = direction_of(&light->to_world, vec3(0, 0, -1));
     double away = size_of(im->all);
-    if (!can_be_written(im, light, radius * im->scene_m)) {
+    if (!light_has_measure(im, light, radius * im->scene_m)) {
         import_note(im, "one of its lights is too far away, too narrow or too bright, and is left out");
         import_write_comment(im);
         return;

@@ -54,7 +54,7 @@ static const struct PictureOption {
                        {"-blendv", 1, false}, {"-cc", 1, false},   {"-clamp", 1, false}, {"-imfchan", 1, false},
                        {"-type", 1, false}};
 
-/* Where the option's numbers go, if anywhere. They move v upward, and those of a MeshPicture downward: see read_picture. */
+/* Where the option's numbers go, if anywhere. They move v upward, and those of a MeshPicture downward: see read_picture_line. */
 static double *numbers_for(const char *option, MeshPicture *picture, double *strength)
 {
     if (strcmp(option, "-s") == 0) return picture->scale;
@@ -86,7 +86,7 @@ static bool take_option(Line *rest, MeshPicture *picture, double *strength)
 }
 
 /* A picture behind its options: "-s 2 2 1 -bm 1 old wax.png". Behind one that is not known, the last word is the name. */
-static void read_picture(Line rest, const char *folder, MeshPicture *picture, double *strength)
+static void read_picture_line(Line rest, const char *folder, MeshPicture *picture, double *strength)
 {
     while (take_option(&rest, picture, strength)) continue;
     Line word = next_word(&rest), last = word;
@@ -129,7 +129,7 @@ static void read_line(Library *library, Line word, Line rest)
         if (!row->is_picture) {
             read_numbers(rest, row, material);
         } else if (!material->pictures[row->key].file) {
-            read_picture(rest, library->folder, &material->pictures[row->key], &library->strength);
+            read_picture_line(rest, library->folder, &material->pictures[row->key], &library->strength);
         }
         return;
     }
