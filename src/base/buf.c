@@ -71,6 +71,13 @@ void buf_format(Buf *buf, const char *format, ...)
     va_end(arguments);
 }
 
+/* No text, or it moves a cursor, or turns what stands beside it around (marks of the direction of writing). */
+static bool is_hidden(uint32_t code)
+{
+    return code == UTF8_INVALID || code < ' ' || (code >= 0x7f && code < 0xa0) || code == 0x200e || code == 0x200f ||
+           (code >= 0x2028 && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069);
+}
+
 void buf_add_shown(Buf *buf, const char *text, size_t most)
 {
     size_t length = strlen(text), shown = 0;
@@ -81,7 +88,7 @@ void buf_add_shown(Buf *buf, const char *text, size_t most)
         }
         uint32_t code;
         size_t n = utf8_decode(text + at, length - at, &code);
-        if (code == UTF8_INVALID || code < ' ' || (code >= 0x7f && code < 0xa0))
+        if (is_hidden(code))
             buf_add(buf, "?");
         else
             buf_add_bytes(buf, text + at, n);

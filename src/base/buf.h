@@ -22,7 +22,8 @@ void buf_add_bytes(Buf *buf, const char *bytes, size_t length);
 void buf_add_repeat(Buf *buf, char byte, size_t count);
 void buf_format(Buf *buf, const char *format, ...) ATTR_PRINTF(2, 3);
 void buf_format_list(Buf *buf, const char *format, va_list arguments) ATTR_PRINTF(2, 0);
-/* Adds a text of others on one line: what is no text, or would move a cursor, is '?'; behind `most` characters it ends in "...". */
+/* Adds a text of others on one line: what is no text, would move a cursor, or turn around what is beside it, is '?'; behind
+ * `most` characters it ends in "...". */
 void buf_add_shown(Buf *buf, const char *text, size_t most);
 /* The text, "" when empty. */
 const char *buf_text(const Buf *buf);

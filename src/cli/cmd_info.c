@@ -112,8 +112,10 @@ static void describe_parts(const MeshSource *source, Facts *facts)
             if (said.length) json_add_text(&facts->json, "material", buf_text(&said));
             json_end(&facts->json);
         } else {
-            buf_format(facts->out, "%-*s '%s', %llu triangles%s%s\n", NAME_COLUMNS, part->kind, part->name,
-                       (unsigned long long)part->n_triangles, said.length ? ": " : "", buf_text(&said));
+            buf_format(facts->out, "%-*s '", NAME_COLUMNS, part->kind);
+            buf_add_shown(facts->out, part->name, SIZE_MAX);
+            buf_format(facts->out, "', %llu triangles%s%s\n", (unsigned long long)part->n_triangles,
+                       said.length ? ": " : "", buf_text(&said));
         }
         buf_clear(&said);
     }

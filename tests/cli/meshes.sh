@@ -258,3 +258,13 @@ done
 run compare isosurface.exr sphere.exr --max-rmse 0.035 # the edges of bands; 0.051 with a normal for each triangle
 exits 0
 end
+
+begin "info: names of a file's parts are shown, and do nothing to the terminal"
+{ printf 'g r\033[31mot\342\200\256\303\237 \342\230\203\n'; tetrahedron 1; } > names.obj
+run info names.obj
+exits 0
+says out "'r?[31mot?ß ☃', 4 triangles"
+run info --json names.obj
+exits 0
+is_json out
+end
