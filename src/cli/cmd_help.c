@@ -258,6 +258,22 @@ static Status explain(const char *topic, Buf *out, Error *error)
     return out->length ? STATUS_OK : refuse_topic(topic, error);
 }
 
+/* Several words are one topic, however such are joined: double glazing, open mesh, camera fov, std glassware. */
+static Status explain_words(const Options *options, Buf *out, Error *error)
+{
+    static const char *const between[] = {"_", "-", ".", "/", " "}; /* the last one is how a message has it */
+    Status status = STATUS_USAGE;
+    for (size_t i = 0; status != STATUS_OK && i < COUNT_OF(between); i++) {
+        Buf topic = {0};
+        for (size_t k = 0; k < options->n_operands; k++)
+            buf_format(&topic, "%s%s", k ? between[i] : "", options->operands[k]);
+        status = explain(buf_text(&topic), out, error);
+        buf_clear(&topic);
+        if (options->n_operands == 1) break;
+    }
+    return status;
+}
+
 Status cmd_help(const Options *options, const Talk *talk, Error *error)
 {
     (void)talk;
@@ -269,7 +285,7 @@ Status cmd_help(const Options *options, const Talk *talk, Error *error)
     else if (option_given(options, OPTION_JSON))
         help_print_json(&out);
     else if (options->n_operands)
-        status = explain(options->operands[0], &out, error);
+        status = explain_words(options, &out, error);
     else
         help_print_overview(&out);
     if (status == STATUS_OK) status = print_out(&out, error);

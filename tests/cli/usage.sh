@@ -72,6 +72,7 @@ refuses "must end in .exr or .png" render small.mns -o small.jpg
 refuses "output '.exr' has no name in front of its ending, as picture.exr does" render small.mns -o .exr
 refuses "output './.PNG' has no name in front of its ending" check small.mns --slice y=1 --slice-output ./.PNG
 refuses "'1,2,3' is a point: write its plane's normal behind it, as 1,2,3:0,1,0" check small.mns --slice 1,2,3
+refuses "there is no help for 'banana split'" help banana split
 refuses "'sphere' is one word too many: with '--json' help gives all that there is" help --json sphere
 refuses "standard input has no place to write to: leave '--in-place' out" fmt -i small.mns -
 refuses "is named twice" render small.mns -o a.exr -o a.exr
@@ -212,6 +213,11 @@ exits 0
 matches out '^meniscus [0-9]+\.[0-9]+'
 run help cylinder
 says out radius
+for topic in 'double glazing:a thin surface' 'camera fov:a property of camera' 'open mesh:open-mesh' 'std glassware:std/glassware.mns'; do
+    run help ${topic%%:*} # several words
+    exits 0
+    says out "${topic#*:}"
+done
 run help smoothstep
 says out "smoothstep(a, b, x): 0 up to a"
 run help noise
