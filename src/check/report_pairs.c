@@ -219,7 +219,7 @@ void report_print_pairs(const CompiledScene *compiled, const ReportGroups *group
 {
     buf_add(out, "\nWhere they meet\n");
     if (compiled->n_pairs == 0) {
-        buf_add(out, "  nowhere\n");
+        buf_add(out, "  no clear object meets another\n");
         return;
     }
     PairLine *lines = calloc(2 * compiled->n_pairs, sizeof *lines);

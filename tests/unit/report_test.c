@@ -126,7 +126,7 @@ static void few_pairs_stand_by_themselves(void **state)
     assert_has(text, "\n\n     lid       ice"); /* meets nothing, stands apart */
     free(text);
     text = report_of(FIXTURE_MEDIA "sphere { interior = glass }" FIXTURE_VIEW, false);
-    assert_has(text, "Where they meet\n  nowhere\n");
+    assert_has(text, "Where they meet\n  no clear object meets another\n");
     free(text);
     text = report_of(FIXTURE_MEDIA FIXTURE_VIEW, false);
     assert_has(text, "  none\n");
