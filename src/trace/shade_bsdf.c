@@ -105,7 +105,7 @@ static float aimed_share(const Aim *aim)
     return aim->share + aim->guide.share;
 }
 
-/* About that which the lobe of a rough boundary fills. */
+/* About that which the lobe of a rough boundary, its only one, fills. */
 static float solid_angle(const Bsdf *bsdf)
 {
     const BsdfFacets *facets = &bsdf->lobes[0].as.boundary.facets;
@@ -138,15 +138,16 @@ static void aim_by_guide(Path *path, const Bsdf *bsdf, const SurfacePlace *place
     path_is_guided(path, &at);
 }
 
-/* keen: see is_keen. */
+/* For what is rough and nothing else: all directions have densities then. keen: see is_keen. */
 static void take_aim(Path *path, const Event *event, const Bsdf *bsdf, const SurfacePlace *place, const Frame *frame,
                      bool keen, const LightSample *light, Aim *aim)
 {
     aim->share = aim->guide.share = 0;
-    bool plain = event->kind == EVENT_BOUNDARY && bsdf->n_lobes == 1 && bsdf->lobes[0].kind == BSDF_BOUNDARY;
-    if (!plain || path->is_photon || path->tracer->world->trial.frost_alone) return;
+    bool rough = event->kind == EVENT_BOUNDARY && bsdf->n_lobes == 1 && bsdf->lobes[0].kind == BSDF_BOUNDARY &&
+                 !bsdf->specular_only && bsdf->coat_share == 0;
+    if (!rough || path->is_photon || path->tracer->world->trial.frost_alone) return;
     aim_at_light(bsdf, place, frame, light, aim);
-    if (keen && !bsdf->specular_only) aim_by_guide(path, bsdf, place, aim);
+    if (keen) aim_by_guide(path, bsdf, place, aim);
 }
 
 static Vec3f mirrored_back(Vec3f v)
@@ -247,10 +248,9 @@ static bool choose_direction(Path *path, const Bsdf *bsdf, const SurfacePlace *p
         if ((vec3f_dot(*direction, place->geometric) < 0) != sample->transmitted)
             *direction = path_mirror(place, *direction);
     }
-    *own_pdf = sample->pdf_w;
-    if (sample->specular) return true;
     if (UNLIKELY(aimed_share(aim) > 0)) return weigh_aimed(bsdf, place, frame, view, aim, *direction, sample, own_pdf);
-    if (path_is_bent(place)) {
+    *own_pdf = sample->pdf_w;
+    if (!sample->specular && path_is_bent(place)) {
         Lanes f_cos;
         evaluate(bsdf, place, frame, view, *direction, &f_cos, own_pdf);
     }
