@@ -72,29 +72,14 @@ static double good_gap(const CompiledScene *compiled, uint32_t hull, double roun
     return pow(10, ceil(log10(wanted) - 1e-6)) / compiled->scene->unit_m;
 }
 
-/* Hulls that one place in the text is of, as the turns of a loop are, and that touch what another one place is of: one report. */
-typedef struct Contacts {
-    uint32_t hull, n; /* the first of them, and how many they are */
+/* The first hull of those that one report is of. */
+typedef struct FirstContact {
+    uint32_t hull;
     Contact contact;
-} Contacts;
+} FirstContact;
 
-/* False: there are too many groups for another one. */
-static bool add_contact(const CompiledScene *compiled, Contacts *groups, uint32_t *n_groups, uint32_t hull,
-                        const Contact *contact)
-{
-    const SceneObject *objects = compiled->scene->objects;
-    for (uint32_t i = 0; i < *n_groups; i++)
-        if (report_same_place(report_object(compiled, groups[i].hull)->span, report_object(compiled, hull)->span) &&
-            report_same_place(objects[groups[i].contact.object].span, objects[contact->object].span)) {
-            groups[i].n++;
-            return true;
-        }
-    if (*n_groups == REPORT_MOST) return false;
-    groups[(*n_groups)++] = (Contacts){hull, 1, *contact};
-    return true;
-}
-
-static void report_one(const CompiledScene *compiled, const Contacts *group, Diag *diag)
+/* n: how many hulls the same place in the text is of that touch what another one is of. */
+static void report_one(const CompiledScene *compiled, const FirstContact *group, uint32_t n, Diag *diag)
 {
     uint32_t hull = group->hull;
     const Contact *contact = &group->contact;
@@ -106,8 +91,7 @@ static void report_one(const CompiledScene *compiled, const Contacts *group, Dia
                                      "%s and %s, which is opaque, touch over about %s without any air between, as if "
                                      "glued: it looks darker there than what only stands on something",
                                      object->name, opaque->name, buf_text(&area));
-    if (group->n > 1)
-        diag_note_nowhere(diag, report, "and so do %u more that this line places", (unsigned)(group->n - 1));
+    if (n > 1) diag_note_nowhere(diag, report, "and so do %u more that this line places", (unsigned)(n - 1));
     diag_note(diag, report, opaque->span, "%s is here", opaque->name);
     diag_hint(diag, report, "leave a gap of, say, %s", buf_text(&gap));
     buf_clear(&area);
@@ -118,8 +102,9 @@ static void report_one(const CompiledScene *compiled, const Contacts *group, Dia
 void report_contacts(const CompiledScene *compiled, Diag *diag)
 {
     Probe probe;
-    Contacts groups[REPORT_MOST];
-    uint32_t n_groups = 0, n_others = 0, n_lines = report_lines_of_each(compiled->n_hulls);
+    FirstContact groups[REPORT_MOST];
+    ReportLikes likes = {.n = 0};
+    uint32_t n_others = 0, n_lines = report_lines_of_each(compiled->n_hulls);
     bool any = false, good = probe_init(&probe, compiled, NULL) == STATUS_OK;
     for (uint32_t i = 0; !any && i < compiled->scene->n_objects; i++) any = is_opaque(compiled, i);
     if (n_lines > LINES) n_lines = LINES;
@@ -129,9 +114,15 @@ void report_contacts(const CompiledScene *compiled, Diag *diag)
         good = find_contact(compiled, &probe, h, n_lines, &contact);
         if (good && contact.n > 0 && contact.n < LEAST_ENDS)
             good = find_contact(compiled, &probe, h, MORE_LINES, &contact);
-        if (contact.n >= LEAST_ENDS && !add_contact(compiled, groups, &n_groups, h, &contact)) n_others++;
+        if (contact.n < LEAST_ENDS) continue;
+        uint32_t group =
+            report_count_like(&likes, report_object(compiled, h), &compiled->scene->objects[contact.object]);
+        if (group == REPORT_MOST)
+            n_others++;
+        else if (likes.counts[group] == 1)
+            groups[group] = (FirstContact){h, contact};
     }
-    for (uint32_t i = 0; i < n_groups; i++) report_one(compiled, &groups[i], diag);
+    for (uint32_t i = 0; i < likes.n; i++) report_one(compiled, &groups[i], likes.counts[i], diag);
     if (n_others)
         diag_report_nowhere(diag, D_OPTICAL_CONTACT, "%u more clear objects touch opaque ones", (unsigned)n_others);
     probe_clear(&probe);

@@ -110,11 +110,13 @@ void report_print_hulls(const CompiledScene *compiled, const ReportGroups *group
 void report_print_pairs(const CompiledScene *compiled, const ReportGroups *groups, Buf *out);
 
 const SceneObject *report_object(const CompiledScene *compiled, uint32_t hull);
-/* Whether two things are of one place in the text, as the turns of a loop are. */
-static inline bool report_same_place(Span a, Span b)
-{
-    return a.source == b.source && a.begin == b.begin;
-}
+/* Pairs of what one place in the text is of and what another one is of: one report of each. */
+typedef struct ReportLikes {
+    Span places[REPORT_MOST][2];
+    uint32_t counts[REPORT_MOST], n;
+} ReportLikes;
+/* Counts one more; returns its group, which is new where the count is 1, or REPORT_MOST: there are too many for another one. */
+uint32_t report_count_like(ReportLikes *likes, const SceneObject *a, const SceneObject *b);
 /* In units that suit people: "3.20 cm³", "0.1 mm". */
 void report_add_area(Buf *out, const Scene *scene, double area);
 void report_add_volume(Buf *out, const Scene *scene, double volume);

@@ -43,30 +43,9 @@ static double good_overlap(const CompiledScene *compiled, const HullPair *pair)
     return round / compiled->scene->unit_m;
 }
 
-/* Gaps between what one place in the text is of, as the turns of a loop are, and what another one is of: one report. */
-typedef struct Gaps {
-    const HullPair *pair; /* the first of them */
-    uint32_t n;
-} Gaps;
-
-/* False: there are too many groups for another one. */
-static bool add_gap(const Scene *scene, Gaps *groups, uint32_t *n_groups, const HullPair *pair)
+/* n: how many gaps there are between what the same two places in the text are of. */
+static void warn_of_gap(const CompiledScene *compiled, const HullPair *pair, uint32_t n, Diag *diag)
 {
-    const SceneObject *objects = scene->objects;
-    for (uint32_t i = 0; i < *n_groups; i++)
-        if (report_same_place(objects[groups[i].pair->a].span, objects[pair->a].span) &&
-            report_same_place(objects[groups[i].pair->b].span, objects[pair->b].span)) {
-            groups[i].n++;
-            return true;
-        }
-    if (*n_groups == REPORT_MOST) return false;
-    groups[(*n_groups)++] = (Gaps){pair, 1};
-    return true;
-}
-
-static void warn_of_gap(const CompiledScene *compiled, const Gaps *group, Diag *diag)
-{
-    const HullPair *pair = group->pair;
     const SceneObject *a = &compiled->scene->objects[pair->a], *b = &compiled->scene->objects[pair->b];
     Buf gap = {0}, overlap = {0};
     report_add_length(&overlap, compiled->scene, good_overlap(compiled, pair));
@@ -74,8 +53,7 @@ static void warn_of_gap(const CompiledScene *compiled, const Gaps *group, Diag *
     Diagnostic *report = diag_report(
         diag, D_AIR_GAP, b->span, "between %s and %s is a gap %s%s, filled with the world's %s", b->name, a->name,
         pair->wedge ? "that narrows to nothing from " : "of ", buf_text(&gap), compiled->scene->media[0].name);
-    if (group->n > 1)
-        diag_note_nowhere(diag, report, "and so are %u more between what these lines place", (unsigned)(group->n - 1));
+    if (n > 1) diag_note_nowhere(diag, report, "and so are %u more between what these lines place", (unsigned)(n - 1));
     diag_note(diag, report, a->span, "%s is here", a->name);
     if (pair->wedge)
         diag_hint(diag, report, "let them overlap all along: the overlap is resolved");
@@ -87,13 +65,20 @@ static void warn_of_gap(const CompiledScene *compiled, const Gaps *group, Diag *
 
 static void warn_of_gaps(const CompiledScene *compiled, Diag *diag)
 {
-    Gaps groups[REPORT_MOST];
-    uint32_t n_groups = 0, n_others = 0;
-    for (size_t i = 0; i < compiled->n_pairs; i++)
-        if (is_mistake(compiled, &compiled->pairs[i]) &&
-            !add_gap(compiled->scene, groups, &n_groups, &compiled->pairs[i]))
+    const SceneObject *objects = compiled->scene->objects;
+    const HullPair *first[REPORT_MOST];
+    ReportLikes likes = {.n = 0};
+    uint32_t n_others = 0;
+    for (size_t i = 0; i < compiled->n_pairs; i++) {
+        const HullPair *pair = &compiled->pairs[i];
+        if (!is_mistake(compiled, pair)) continue;
+        uint32_t group = report_count_like(&likes, &objects[pair->a], &objects[pair->b]);
+        if (group == REPORT_MOST)
             n_others++;
-    for (uint32_t i = 0; i < n_groups; i++) warn_of_gap(compiled, &groups[i], diag);
+        else if (likes.counts[group] == 1)
+            first[group] = pair;
+    }
+    for (uint32_t i = 0; i < likes.n; i++) warn_of_gap(compiled, first[i], likes.counts[i], diag);
     if (n_others) diag_report_nowhere(diag, D_AIR_GAP, "%u more pairs of objects leave thin gaps", (unsigned)n_others);
 }
 
