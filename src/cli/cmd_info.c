@@ -82,14 +82,6 @@ static bool is_the_same_again(const MeshSource *source, const MeshPart *part)
     return false;
 }
 
-/* What is said of a part; NULL: it is no material, or there is nothing. */
-static const MeshMaterial *material_of(const MeshSource *source, const MeshPart *part)
-{
-    if (strcmp(part->kind, "material") != 0) return NULL;
-    if (!part->by_number) return mesh_source_find_material(source, part->name);
-    return part->number < source->n_materials ? &source->materials[part->number] : NULL;
-}
-
 /* What `part` of a mesh can be. */
 static void describe_parts(const MeshSource *source, Facts *facts)
 {
@@ -102,7 +94,7 @@ static void describe_parts(const MeshSource *source, Facts *facts)
         const MeshPart *part = &source->parts[i];
         if (is_the_same_again(source, part)) continue;
         Buf said = {0};
-        const MeshMaterial *material = material_of(source, part);
+        const MeshMaterial *material = mesh_source_material_of(source, part);
         if (material) material_describe(material, &said);
         if (facts->as_json) {
             json_begin_object(&facts->json);
@@ -145,11 +137,7 @@ static Status describe_mesh(const char *path, Facts *facts, Error *error)
     MeshCrossings crossings = {0};
     MeshParts parts = {0};
     MeshJoin join = {0};
-    if (status == STATUS_OK) status = mesh_inspect(mesh, NULL, &report, error);
-    if (status == STATUS_OK && report.n_open_edges && report.finite) {
-        status = mesh_join(mesh, NULL, -1, NULL, &join, error);
-        if (status == STATUS_OK && join.n_joined) status = mesh_inspect(mesh, NULL, &report, error);
-    }
+    if (status == STATUS_OK) status = mesh_inspect_joined(mesh, &join, &report, error);
     if (status == STATUS_OK) status = mesh_find_crossings(mesh, NULL, &crossings, error);
     if (status == STATUS_OK && report.closed) status = mesh_find_parts(mesh, NULL, &parts, error);
     if (status == STATUS_OK) {

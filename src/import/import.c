@@ -10,6 +10,7 @@
 #include "base/array.h"
 #include "base/file.h"
 #include "import/import_parts.h"
+#include "lang/value.h"
 
 /* ---- units ---- */
 
@@ -115,7 +116,7 @@ static void write_head(Importer *im)
     if (im->dark || im->paper) buf_add(im->text, "\nuse \"std/studio.mns\" as studio\n");
     if (!*im->model) return;
     buf_format(im->text, "\nlet %s = ", im->model);
-    add_string(im->text, im->options->file);
+    value_print_text(im->text, im->options->file);
     buf_add(im->text, "\n");
 }
 
@@ -137,8 +138,7 @@ static void add_unit(Importer *im, NodeText *node)
 static void write_item(Importer *im, ImportItem *item)
 {
     Buf part = {0}, subject = {0};
-    const ImportMaterial *material =
-        &im->materials[item->material == IMPORT_NONE ? im->source->n_materials : item->material];
+    const ImportMaterial *material = import_material_of(im, item);
     buf_format(&subject, "object '%s'", item->name ? item->name : "");
     im->subject = buf_text(&subject);
     if (material->clear && !material->thin && !item->closed)
@@ -153,7 +153,7 @@ static void write_item(Importer *im, ImportItem *item)
     if (*im->model)
         node_word(&node, "file", im->model);
     else
-        add_string(node_prop(&node, "file"), im->options->file);
+        value_print_text(node_prop(&node, "file"), im->options->file);
     if (part.length) node_word(&node, "part", buf_text(&part));
     add_unit(im, &node);
     if (im->options->up_z) node_word(&node, "up", "z");

@@ -7,6 +7,7 @@
 
 #include "base/array.h"
 #include "import/import_parts.h"
+#include "lang/value.h"
 
 enum { KEY = 3 }; /* the last parts of a run say what it belongs to: object, mesh or group, and material */
 
@@ -81,9 +82,7 @@ static uint32_t find_material_of(const Importer *im, const ImportItem *item)
 {
     uint32_t part = part_of_kind(im, item->parts, item->n_parts, "material");
     if (part == IMPORT_NONE) return IMPORT_NONE;
-    const MeshPart *named = &im->source->parts[part];
-    if (named->by_number) return named->number < im->source->n_materials ? (uint32_t)named->number : IMPORT_NONE;
-    const MeshMaterial *material = mesh_source_find_material(im->source, named->name);
+    const MeshMaterial *material = mesh_source_material_of(im->source, &im->source->parts[part]);
     return material ? (uint32_t)(material - im->source->materials) : IMPORT_NONE;
 }
 
@@ -159,12 +158,8 @@ static Status gather(const Importer *im, Gatherer *gatherer, const SortedRun *fi
 static Status inspect(const Importer *im, Mesh *mesh, ImportItem *item)
 {
     MeshReport report;
-    TRY(mesh_inspect(mesh, NULL, &report, im->error));
-    if (report.n_open_edges && report.finite) {
-        MeshJoin join;
-        TRY(mesh_join(mesh, NULL, -1, NULL, &join, im->error));
-        if (join.n_joined) TRY(mesh_inspect(mesh, NULL, &report, im->error));
-    }
+    MeshJoin join;
+    TRY(mesh_inspect_joined(mesh, &join, &report, im->error));
     if (!report.closed && !report.consistent && report.finite) {
         bool mended;
         TRY(mesh_orient(mesh, NULL, &mended, im->error));
@@ -334,7 +329,7 @@ void import_ask_for(const Importer *im, const ImportItem *item, Buf *out)
     buf_add(out, asked.n > 1 ? "[" : "");
     for (size_t i = 0; i < asked.n; i++) {
         buf_add(out, i ? ", " : "");
-        add_string(out, asked.items[i]);
+        value_print_text(out, asked.items[i]);
     }
     buf_add(out, asked.n > 1 ? "]" : "");
     asked_clear(&asked);

@@ -28,7 +28,7 @@ double import_index(const MeshMaterial *said)
 
 /* ---- what an object needs ---- */
 
-static ImportMaterial *material_of_item(const Importer *im, const ImportItem *item)
+ImportMaterial *import_material_of(const Importer *im, const ImportItem *item)
 {
     size_t i = item->material == IMPORT_NONE ? im->source->n_materials : item->material;
     return &im->materials[i];
@@ -36,7 +36,7 @@ static ImportMaterial *material_of_item(const Importer *im, const ImportItem *it
 
 bool import_is_filled(const Importer *im, const ImportItem *item)
 {
-    const ImportMaterial *material = material_of_item(im, item);
+    const ImportMaterial *material = import_material_of(im, item);
     return material->clear && !material->thin && item->closed;
 }
 
@@ -59,7 +59,7 @@ void import_prepare_materials(Importer *im)
     }
     for (size_t i = 0; i < im->n_items; i++) {
         const ImportItem *item = &im->items[i];
-        ImportMaterial *material = material_of_item(im, item);
+        ImportMaterial *material = import_material_of(im, item);
         const char *called = material->said ? material->said->name : "plain";
         if (import_is_filled(im, item)) {
             double chord = item->area > 0 ? 4 * item->volume / item->area * im->file_m : 0;
@@ -79,7 +79,7 @@ void import_prepare_materials(Importer *im)
 
 void import_add_matter(const Importer *im, const ImportItem *item, NodeText *node)
 {
-    const ImportMaterial *material = material_of_item(im, item);
+    const ImportMaterial *material = import_material_of(im, item);
     if (!import_is_filled(im, item)) {
         node_word(node, "surface", material->surface ? material->surface : "");
         return;

@@ -105,7 +105,6 @@ void add_number(Buf *out, double value);                         /* four digits 
 void add_color(Buf *out, const double rgb[3]);                   /* 0.8, or rgb(0.8, 0.1, 0.1) */
 void add_coordinate(const Importer *im, Buf *out, double value); /* in scene units, rounded */
 void add_point(const Importer *im, Buf *out, Vec3 p);
-void add_string(Buf *out, const char *text);
 /* A text of the file for comments: one line, not too long. */
 void add_shown(Buf *out, const char *text);
 /* Whether it is text that a string can hold as it is, and not too long. */
@@ -119,6 +118,7 @@ void import_ask_for(const Importer *im, const ImportItem *item, Buf *out);
 /* import_materials.c, import_surfaces.c */
 void import_prepare_materials(Importer *im);
 /* Whether the object is filled with its material's medium; else it is covered with its surface. */
+ImportMaterial *import_material_of(const Importer *im, const ImportItem *item);
 bool import_is_filled(const Importer *im, const ImportItem *item);
 /* The properties by which it is. */
 void import_add_matter(const Importer *im, const ImportItem *item, NodeText *node);

@@ -11,6 +11,7 @@
 #include "base/array.h"
 #include "base/file.h"
 #include "import/import_parts.h"
+#include "lang/value.h"
 
 /* The extension that a picture's first bytes ask for; NULL: it is of a kind that cannot be read. */
 static const char *extension_of(const char *bytes, size_t length)
@@ -192,7 +193,7 @@ char *import_picture(Importer *im, const MeshPicture *picture, const char *key, 
     if (picture->second_uvs)
         import_note(im, "its picture lies on coordinates of their own in the file, and on the first ones here");
     buf_add(&text, "image { file = ");
-    add_string(&text, name.text);
+    value_print_text(&text, name.text);
     if (picture->wrap == PICTURE_WRAP_CLAMP) buf_add(&text, "  wrap = clamp");
     if (picture->wrap == PICTURE_WRAP_MIRROR) buf_add(&text, "  wrap = mirror");
     buf_add(&text, props);

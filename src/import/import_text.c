@@ -148,19 +148,6 @@ void add_point(const Importer *im, Buf *out, Vec3 p)
     buf_add(out, ">");
 }
 
-void add_string(Buf *out, const char *text)
-{
-    buf_add(out, "\"");
-    for (const char *c = text; *c; c++) {
-        if (*c == '"' || *c == '\\') buf_add(out, "\\");
-        if ((unsigned char)*c < ' ' || *c == 0x7f)
-            buf_format(out, "\\u{%x}", (unsigned)(unsigned char)*c);
-        else
-            buf_add_bytes(out, c, 1);
-    }
-    buf_add(out, "\"");
-}
-
 bool text_is_plain(const char *text)
 {
     size_t length = strlen(text);

@@ -7,6 +7,7 @@
 #include "base/angle.h"
 #include "base/attr.h"
 #include "import/import_parts.h"
+#include "lang/value.h"
 
 static const double azimuth = 30, elevation = 22, lens = 28; /* degrees: of the camera where the file has none */
 static const double film_shape = 4.0 / 3;
@@ -137,8 +138,7 @@ static double choose_exposure(const Importer *im)
 static bool any_shines(const Importer *im)
 {
     for (size_t i = 0; i < im->n_items; i++)
-        if (im->items[i].material != IMPORT_NONE && import_shines(im->materials[im->items[i].material].said) &&
-            !import_is_filled(im, &im->items[i]))
+        if (import_shines(import_material_of(im, &im->items[i])->said) && !import_is_filled(im, &im->items[i]))
             return true;
     return false;
 }
@@ -305,7 +305,7 @@ static void add_outputs(const Importer *im, Buf *out)
         if (im->stem_is_read) buf_add(&name, "-render");
         buf_add(&name, endings[i]);
         buf_add(out, i ? ", " : "[");
-        add_string(out, buf_text(&name));
+        value_print_text(out, buf_text(&name));
         buf_clear(&name);
     }
     buf_add(out, "]");

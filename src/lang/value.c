@@ -294,7 +294,7 @@ static void print_numbers(Buf *out, const char *opening, const double *numbers, 
     buf_add(out, closing);
 }
 
-static void print_quoted(Buf *out, const char *text)
+void value_print_text(Buf *out, const char *text)
 {
     buf_add(out, "\"");
     for (; *text; text++) {
@@ -303,6 +303,8 @@ static void print_quoted(Buf *out, const char *text)
             buf_add(out, "\\n");
         else if (*text == '\t')
             buf_add(out, "\\t");
+        else if ((unsigned char)*text < ' ' || *text == 0x7f)
+            buf_format(out, "\\u{%x}", (unsigned)(unsigned char)*text);
         else
             buf_add_bytes(out, text, 1);
     }
@@ -325,7 +327,7 @@ static void print_term(Buf *out, const EvalTerm *term, unsigned form)
     buf_add(out, term->type->name);
     if (term->text) {
         buf_add(out, "(");
-        print_quoted(out, term->text);
+        value_print_text(out, term->text);
         buf_add(out, ")");
     } else if (term->pairs) {
         for (size_t i = 0; i < term->n_pairs; i++) {
@@ -376,7 +378,7 @@ void value_print(Buf *out, const Value *value, unsigned form)
     case VALUE_BOOL: buf_add(out, value->as.truth ? "true" : "false"); break;
     case VALUE_STRING:
         if (form & VALUE_QUOTED)
-            print_quoted(out, value->as.text);
+            value_print_text(out, value->as.text);
         else
             buf_add(out, value->as.text);
         break;

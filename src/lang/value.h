@@ -160,6 +160,8 @@ bool value_equal(const Value *a, const Value *b);
  * rounding; VALUE_QUOTED: a text stands in quotes, as those within lists always do. */
 enum { VALUE_QUOTED = 1, VALUE_ROUNDED = 2 };
 void value_print(Buf *out, const Value *value, unsigned form);
+/* A string of the language, in quotes and with its escapes. */
+void value_print_text(Buf *out, const char *text);
 bool value_is_finite(const Value *value);
 
 #endif

@@ -346,3 +346,12 @@ Status mesh_find_join(Mesh *mesh, double most, Pool *pool, MeshJoin *join, doubl
     joiner_clear(&joiner);
     return status;
 }
+
+Status mesh_inspect_joined(Mesh *mesh, MeshJoin *join, MeshReport *report, Error *error)
+{
+    *join = (MeshJoin){0};
+    TRY(mesh_inspect(mesh, NULL, report, error));
+    if (!report->n_open_edges || !report->finite) return STATUS_OK;
+    TRY(mesh_join(mesh, NULL, -1, NULL, join, error));
+    return join->n_joined ? mesh_inspect(mesh, NULL, report, error) : STATUS_OK;
+}

@@ -86,6 +86,8 @@ typedef struct MeshReport {
 /* Positions are compared bit by bit (-0 = 0), so a mesh that splits its vertices for normals or uvs is
  * closed all the same. Triangles with two equal vertices have no part in edges and components. */
 ATTR_NODISCARD Status mesh_inspect(const Mesh *mesh, Pool *pool, MeshReport *report, Error *error);
+/* The same of what is open only by the last bits, once mesh_join has closed it. *join: of nothing where that was not needed. */
+ATTR_NODISCARD Status mesh_inspect_joined(Mesh *mesh, MeshJoin *join, MeshReport *report, Error *error);
 /* Numbers the vertices by position: each has the number of the first vertex at its place, bit by bit (-0 = 0). *ids is
  * malloc'd, n_vertices long. */
 ATTR_NODISCARD Status mesh_number_positions(const Mesh *mesh, Pool *pool, uint32_t **ids, Error *error);

@@ -201,6 +201,13 @@ const MeshMaterial *mesh_source_find_material(const MeshSource *source, const ch
     return NULL;
 }
 
+const MeshMaterial *mesh_source_material_of(const MeshSource *source, const MeshPart *part)
+{
+    if (strcmp(part->kind, "material") != 0) return NULL;
+    if (!part->by_number) return mesh_source_find_material(source, part->name);
+    return part->number < source->n_materials ? &source->materials[part->number] : NULL;
+}
+
 void mesh_source_material(MeshSource *source, MeshMaterial *material)
 {
     if (material->name && source->n_materials < MOST_MATERIALS &&

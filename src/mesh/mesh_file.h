@@ -129,6 +129,8 @@ uint32_t mesh_source_numbered_part(MeshSource *source, const char *kind, size_t 
 void mesh_source_material(MeshSource *source, MeshMaterial *material);
 /* The first material of that name; NULL: none. */
 const MeshMaterial *mesh_source_find_material(const MeshSource *source, const char *name);
+/* What is said of a part; NULL: it is no material, or there is nothing. */
+const MeshMaterial *mesh_source_material_of(const MeshSource *source, const MeshPart *part);
 /* The materials of an .mtl file, whose name stands in an OBJ file beside it; one that cannot be read has none. */
 void mesh_list_mtl(const char *obj_path, const char *name, MeshSource *source);
 /* Counts triangles that are of n parts (UINT32_MAX: none) and says whether they are wanted; they are then the next of the mesh.
