@@ -34,6 +34,22 @@ double affine_max_stretch(const Affine *a)
     return sqrt(sum);
 }
 
+bool box3_cut(const Box3 *box, Vec3 from, Vec3 direction, double *enter, double *leave)
+{
+    const double origin[3] = {from.x, from.y, from.z}, d[3] = {direction.x, direction.y, direction.z};
+    const double low[3] = {box->min.x, box->min.y, box->min.z}, high[3] = {box->max.x, box->max.y, box->max.z};
+    *enter = -HUGE_VAL;
+    *leave = HUGE_VAL;
+    for (int i = 0; i < 3; i++) {
+        bool level = d[i] == 0, within = origin[i] > low[i] && origin[i] < high[i];
+        double a = level ? (within ? -HUGE_VAL : HUGE_VAL) : (low[i] - origin[i]) / d[i];
+        double b = level ? HUGE_VAL : (high[i] - origin[i]) / d[i];
+        *enter = fmax(*enter, fmin(a, b));
+        *leave = fmin(*leave, fmax(a, b));
+    }
+    return *enter < *leave;
+}
+
 bool affine_invert(const Affine *a, Affine *inverse)
 {
     double determinant = affine_determinant(a);

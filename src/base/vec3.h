@@ -226,6 +226,8 @@ static inline Box3 box3_intersection(Box3 a, Box3 b)
                 vec3(fmin(a.max.x, b.max.x), fmin(a.max.y, b.max.y), fmin(a.max.z, b.max.z))};
     return box.min.x <= box.max.x && box.min.y <= box.max.y && box.min.z <= box.max.z ? box : box3_empty();
 }
+/* The stretch of a line, from + t direction, within a box; false: it passes it by. */
+bool box3_cut(const Box3 *box, Vec3 from, Vec3 direction, double *enter, double *leave);
 /* The box around the image of b. */
 Box3 affine_box(const Affine *a, Box3 b);
 

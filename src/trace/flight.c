@@ -331,7 +331,11 @@ double flight_uneven(Path *path, FreeFlight *flight, double from, double length,
 {
     Tracer *tracer = path->tracer;
     double t = from, to = from + length;
-    if (path->straight) return length;
+    if (path->straight) {
+        path->beta =
+            lanes_mul(path->beta, flight_transmit(path, &path->ray, &tracer->list, t, to, &flight->n_drawn, NULL));
+        return length;
+    }
     if (flight->budget < 0) flight_draw(path, flight);
     if (!find_parts(path, &tracer->list, &path->ray, t)) {
         tracer->out_of_memory = true;

@@ -18,6 +18,7 @@
 #include "trace/probe.h"
 #include "trace/shade.h"
 #include "trace/sight.h"
+#include "trace/slab_look.h"
 #include "trace/texture_shade.h"
 
 /* Paths that carry less than this are left to Russian roulette. A picture is looked at by its relative error, and what
@@ -60,8 +61,8 @@ void tracer_clear(Tracer *tracer)
     tracer->parts = (FlightParts){0};
     free(tracer->passes);
     tracer->passes = NULL;
-    tracers_free(tracer->prober, 1);
-    tracer->prober = NULL;
+    tracers_free(tracer->looker, 1);
+    tracer->looker = NULL;
 }
 
 Tracer *tracers_new(const World *world, unsigned n)
@@ -75,6 +76,12 @@ void tracers_free(Tracer *tracers, unsigned n)
 {
     for (unsigned i = 0; tracers && i < n; i++) tracer_clear(&tracers[i]);
     free(tracers);
+}
+
+Tracer *tracer_for_looks(Tracer *tracer)
+{
+    if (UNLIKELY(!tracer->looker)) tracer->looker = tracers_new(tracer->world, 1);
+    return tracer->looker;
 }
 
 /* Ends paths that carry little. The decision uses what is the same whichever lane is the hero. Directions that were chosen because a
@@ -162,6 +169,7 @@ static void find_infinity(Path *path)
     const World *world = tracer->world;
     const Scene *scene = world->scene;
     bool sight = path->ray.sight;
+    if (path_is_in_slabs(path)) slab_leave_scene(path);
     if (sight && (!scene->environment || scene->environment_hidden))
         path->open = lanes_mean(path->beta) / lanes_mean(path->ratio);
     const LightRival rival = {path->scatter_lights, path->scatter_point, path->scatter_normal,

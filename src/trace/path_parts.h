@@ -49,6 +49,16 @@ typedef struct PathProbing {
     bool is_probe;   /* it was sent out by the guide, and looks for such light alone */
 } PathProbing;
 
+/* A way through bodies with parallel faces: see slab_look.h. */
+#define SLAB_NOWHERE UINT32_MAX
+typedef struct SlabWay {
+    uint32_t bounce;  /* the path is on it as long as this is its own; SLAB_NOWHERE: it is not */
+    uint32_t n_faces; /* it has come through */
+    Vec3f direction;  /* in front of it; and of the path, there: */
+    float scatter_pdf, rarity;
+    bool bent;
+} SlabWay;
+
 /* A random number by which boundaries decide, one after another. */
 typedef struct Decision {
     double number; /* uniform in [0, 1), what former decisions have left of it */
@@ -76,7 +86,7 @@ typedef struct Path {
     bool cone_bent;  /* it has gone through a boundary, or off a mirror */
     /* what part of the light that it looks for is the backdrop's of the picture: see path_follow_from_camera */
     float open;
-    bool straight;   /* media do not scatter it: it only looks what is there */
+    bool straight;   /* media do not scatter it, and it loses what they do: it only looks what is there */
     bool looks;      /* for light that media scatter towards it */
     bool is_photon;  /* it comes from a lamp, and looks for none */
     bool bent_apart; /* it has come to a boundary where each of its wavelengths would go on in another way, */
@@ -90,6 +100,7 @@ typedef struct Path {
     uint32_t n_counted;         /* of the events, the ones that the scene's limit counts: not scattering within media */
     PathMedia media;
     PathProbing probing;
+    SlabWay slab_way;
     Airway way, from; /* the present stretch; and the one that the path was scattered on last, if it was in a medium */
 } Path;
 
@@ -108,6 +119,7 @@ static inline void path_init(Path *path, Tracer *tracer, Sampler sampler)
     path->scatter_lights = world_lights(tracer->world);
     path->probing.guide.share = 0;
     path->index_lane = -1;
+    path->slab_way.bounce = SLAB_NOWHERE;
     path->fork = NULL;
     path->probing.bent = path->probing.is_probe = path->probing.found = false;
 }

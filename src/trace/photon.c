@@ -8,6 +8,7 @@
 #include "trace/event.h"
 #include "trace/photon_start.h"
 #include "trace/shade.h"
+#include "trace/slab_look.h"
 
 /* Boundaries and mirrors that a photon is followed through. */
 enum { MOST_EVENTS = 64 };
@@ -30,8 +31,8 @@ static void land(const Path *path, const Event *event, float flux, Photon *photo
     if (isfinite(carried) && carried > 0) photon->flux = carried;
 }
 
-/* Follows a photon to where it ends; false: to no place of use. */
-static bool follow_photon(Path *path, float flux, Photon *photon)
+/* Follows a photon to where it ends; false: to no place of use. far: its light is infinitely far. */
+static bool follow_photon(Path *path, bool far, float flux, Photon *photon)
 {
     const Scene *scene = path->tracer->world->scene;
     bool bent = false;
@@ -43,14 +44,16 @@ static bool follow_photon(Path *path, float flux, Photon *photon)
         land(path, &event, flux, photon);
         if (!(photon->flux > 1e-6f * flux)) return false;
         bool goes_on = false, straight = false;
+        const bool was_bent = bent || (path_is_in_slabs(path) && !(far && slab_keeps_direction(path)));
         Vec3f before = path->ray.direction;
         if (event.kind == EVENT_BOUNDARY) {
             goes_on = path_cross_boundary(path, &event) && path_went_straight(path);
             /* half of those that come to frosted glass after others land there, for paths that see it, and half go on */
-            if (bent && goes_on && path->scatter_pdf > 0) {
+            if (was_bent && goes_on && path->scatter_pdf > 0) {
                 goes_on = sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_GUIDE)) < 0.5f;
                 flux *= 2, photon->flux *= 2;
             }
+            straight = path->slab_way.bounce == path->bounce + 1;
         } else if (event.kind == EVENT_OPAQUE) {
             const SceneObject *object = &scene->objects[event.hit.object];
             if (object->light != SCENE_NONE || object->surface == SCENE_NONE) return false;
@@ -61,8 +64,9 @@ static bool follow_photon(Path *path, float flux, Photon *photon)
         uint64_t step = event.kind == EVENT_SCATTER ? 0 : 2 * (uint64_t)event.hit.object + 1;
         way = hash_u64(way ^ hash_u64(4 * step + 2 * goes_on + (vec3f_dot(path->ray.direction, event.hit.normal) > 0)));
         photon->way = (uint32_t)(way >> 32);
-        if (!goes_on) return bent;
-        bent = bent || !straight; /* what comes through panes alone is found by looking at the light */
+        if (!goes_on) return was_bent;
+        /* what comes through panes alone is found by looking at the light; of slabs only their far side tells */
+        bent = straight ? bent : true;
     }
     return false;
 }
@@ -119,7 +123,7 @@ static bool follow_other(Job *job, Tracer *tracer, uint32_t number, const Photon
     if (more_color != 0) lanes_set(&path.wavelengths.nm, 0, guide_wavelength(guide_color(nm) + (float)more_color));
     if (!photon_leave_light(&path, start)) return false;
     path.bounce = 1;
-    return follow_photon(&path, 1, photon) && photon->way == way;
+    return follow_photon(&path, !isfinite(start->light.distance), 1, photon) && photon->way == way;
 }
 
 /* more_color: by how much the other's colour is another one; 0: it is its start. */
@@ -342,7 +346,7 @@ static void trace_batch(void *context, uint32_t batch, unsigned worker)
         if (is_stopped(job)) continue;
         if (!start_photon(job, &job->tracers[worker], number, &path, &start)) continue;
         float radiance = lanes_mean(start.light.radiance);
-        if (follow_photon(&path, radiance * start.flux_times_n, photon)) {
+        if (follow_photon(&path, !isfinite(start.light.distance), radiance * start.flux_times_n, photon)) {
             photon->radiance = radiance;
             photon->more = start.more;
             photon->number = number;
@@ -449,7 +453,7 @@ float photon_other_light(Tracer *tracer, Vec3f place, Vec3f normal, float thresh
     uint32_t medium;
     if (compiled_interior(tracer->world->compiled, vec3f_from(ray.origin), ray.time, &tracer->hits, &tracer->list,
                           NULL) != STATUS_OK ||
-        !path_shadow(&path, &ray, &transmittance, &medium))
+        !path_sees(&path, &ray, &transmittance, &medium))
         return 0;
     float radiance = lanes_mean(lanes_mul(light.radiance, transmittance));
     return radiance * cosine / light.pdf_w * (lanes_mean(light.radiance) > threshold ? PHOTON_BRIGHT_PART : 1);

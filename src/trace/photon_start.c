@@ -41,28 +41,11 @@ static bool box_holds(const Box3 *box, Vec3 p)
            p.z < box->max.z;
 }
 
-/* The stretch of a line, origin + t direction, within a box; false: it passes it by. */
-static bool cut_to_box(const Box3 *box, Vec3 from, Vec3 direction, double *enter, double *leave)
-{
-    const double origin[3] = {from.x, from.y, from.z}, d[3] = {direction.x, direction.y, direction.z};
-    const double low[3] = {box->min.x, box->min.y, box->min.z}, high[3] = {box->max.x, box->max.y, box->max.z};
-    *enter = -HUGE_VAL;
-    *leave = HUGE_VAL;
-    for (int i = 0; i < 3; i++) {
-        bool level = d[i] == 0, within = origin[i] > low[i] && origin[i] < high[i];
-        double a = level ? (within ? -HUGE_VAL : HUGE_VAL) : (low[i] - origin[i]) / d[i];
-        double b = level ? HUGE_VAL : (high[i] - origin[i]) / d[i];
-        *enter = fmax(*enter, fmin(a, b));
-        *leave = fmin(*leave, fmax(a, b));
-    }
-    return *enter < *leave;
-}
-
-/* Where it passes a box's surface first; HUGE_VAL: nowhere. */
+/* Where a line, from + t direction, passes a box's surface first; HUGE_VAL: nowhere. */
 static double first_of_box(const Box3 *box, Vec3 from, Vec3 direction)
 {
     double enter, leave;
-    if (!cut_to_box(box, from, direction, &enter, &leave)) return HUGE_VAL;
+    if (!box3_cut(box, from, direction, &enter, &leave)) return HUGE_VAL;
     return enter > 0 ? enter : leave > 0 ? leave : HUGE_VAL;
 }
 

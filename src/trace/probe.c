@@ -74,9 +74,9 @@ static Status start_list(const Path *path, const Event *event, const SurfacePlac
 
 void path_send_probe(Path *path, const GuideAt *guide, Event *event, const SurfacePlace *place, const ProbeWay *way)
 {
-    Tracer *tracer = path->tracer, *prober = tracer->prober;
+    Tracer *tracer = path->tracer, *prober;
     if (!(way->pdf_w > 0)) return;
-    if (UNLIKELY(!prober)) prober = tracer->prober = tracers_new(tracer->world, 1);
+    prober = tracer_for_looks(tracer);
     if (UNLIKELY(!prober)) {
         tracer->out_of_memory = true;
         return;

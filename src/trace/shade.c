@@ -10,6 +10,7 @@
 #include "trace/probe.h"
 #include "trace/shade_bsdf.h"
 #include "trace/shaft.h"
+#include "trace/slab_look.h"
 #include "trace/texture_shade.h"
 
 Lanes path_basic_radiance(const World *world, Lanes radiance, uint32_t medium, Lanes wavelength_nm)
@@ -129,6 +130,13 @@ void path_choose_light(const Path *path, const LightChoices *choices, Vec3 from,
     light_sample(path->tracer->world, choices, &query, light);
 }
 
+bool path_sees(Path *path, Ray *ray, Lanes *transmittance, uint32_t *medium_at_light)
+{
+    if (path_shadow(path, ray, transmittance, medium_at_light)) return true;
+    *medium_at_light = WORLD_MEDIUM;
+    return UNLIKELY(path->tracer->world->slabs.n) && isinf(ray->t_max) && slab_shadow(path, ray, transmittance);
+}
+
 bool path_light_arrives(Path *path, const LightSample *light, Ray *ray, Lanes *basic)
 {
     const World *world = path->tracer->world;
@@ -137,7 +145,7 @@ bool path_light_arrives(Path *path, const LightSample *light, Ray *ray, Lanes *b
     ray->target_primitive = light->primitive;
     Lanes transmittance;
     uint32_t medium;
-    if (!path_shadow(path, ray, &transmittance, &medium)) return false;
+    if (!path_sees(path, ray, &transmittance, &medium)) return false;
     if (UNLIKELY(light->glow) &&
         !media_is_there(world->compiled, &world->media, light->glow->place, &path->tracer->shadow_list))
         return false;
@@ -325,7 +333,10 @@ bool path_shade_opaque(Path *path, Event *event)
     }
     if (surface->finished) {
         bool straight = false, goes_on = path_shade_finished(path, event, surface, spec, &place, &straight);
-        if (UNLIKELY(straight)) path->from.rarity = rarity;
+        if (UNLIKELY(straight)) {
+            path->from.rarity = rarity;
+            slab_pass_pane(path);
+        }
         return goes_on;
     }
     if (UNLIKELY(path->probing.is_probe)) return false;
@@ -455,13 +466,14 @@ static void weigh_choice(Path *path, const BoundaryChoice *choice, bool bends_al
 bool path_cross_boundary(Path *path, Event *event)
 {
     const World *world = path->tracer->world;
-    path->from.rarity = 0;
     uint32_t from = event->crossing.medium_from, to = event->crossing.medium_to;
     Lanes eta_i = path_ior(path, from), eta_t = path_ior(path, to);
     if (!path->bent_apart && (world_medium_disperses(world, from) || world_medium_disperses(world, to))) {
         path->bent_apart = true;
         if (path->fork) path_keep_fork(path, event);
     }
+    const float rarity = path->from.rarity;
+    path->from.rarity = 0;
     SurfacePlace place = path_place(path, event);
     uint32_t number = world->looks[event->hit.object].surface;
     const SceneSurface *surface = number == SCENE_NONE ? NULL : path_surface(path, event, number);
@@ -485,6 +497,7 @@ bool path_cross_boundary(Path *path, Event *event)
         choose_at_boundary(path, &place, true, eta_i, eta_t, &choice);
     }
     weigh_choice(path, &choice, lanes_uniform(eta_i) && lanes_uniform(eta_t));
+    if (!choice.reflected && slab_is_face(world, event, &place)) slab_go_through(path, rarity);
     path->scatter_pdf = -1;
     path->probing.bent = true;
     path_leave(path, event, &place, !choice.reflected, choice.direction);

@@ -33,6 +33,8 @@ static inline const LightChoices *path_lights(const Path *path, bool any)
     const World *world = path->tracer->world;
     return any ? world_lights(world) : world_lights_in(world, nest_medium(&path->tracer->list));
 }
+/* As path_shadow; of light from infinity (t_max) what comes through bodies with parallel faces, too: see slab_look.h. */
+bool path_sees(Path *path, Ray *ray, Lanes *transmittance, uint32_t *medium_at_light);
 /* What comes straight along the ray from a light, as basic radiance; false: nothing. The ray becomes aimed at the light. */
 bool path_light_arrives(Path *path, const LightSample *light, Ray *ray, Lanes *basic);
 /* Adds that, scattered by the factor, weighted against finding the light by a direction of density pdf_w, or by the guide. */

@@ -284,6 +284,8 @@ static Status init_parts(World *world, uint32_t camera, Pool *pool, Error *error
     TRY(balances_new(world->scene, &world->balances, error));
     TRY(init_lights(world, pool, error));
     note_traits(world);
+    if (world->has_distant || world_lights(world)->environment > 0)
+        TRY(slabs_find(world->compiled, &world->slabs, error));
     TRY(stand_camera(world, error));
     reflected_color_init(&world->reflected);
     return find_beacons(world, error);
@@ -335,6 +337,7 @@ void world_clear(World *world)
     free(world->portal_maps);
     free(world->portals);
     media_clear(&world->media);
+    slabs_clear(&world->slabs);
     balances_free(world->balances);
     lens_free(world->lens);
     wavelength_lines_free(world->lines);

@@ -13,6 +13,7 @@
 #include "trace/lens.h"
 #include "trace/looks.h"
 #include "trace/media.h"
+#include "scene/slabs.h"
 
 /* What is first chosen for next-event estimation: a distant light (an entry of scene->lights), the environment, or all
  * that shines from a finite place together, among which the tree then chooses. */
@@ -72,6 +73,7 @@ typedef struct World {
     uint32_t n_portal_maps;
     WorldMedia media;
     Beacons beacons;
+    Slabs slabs;               /* where light from infinity is looked for */
     Balances *balances;        /* of surfaces; grows while rendering, by itself in order */
     const struct Guide *guide; /* to lights behind glass, see guide.h; NULL: none. Not owned */
     NestList camera_list;      /* the hulls around the camera's centre */

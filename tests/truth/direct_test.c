@@ -320,6 +320,89 @@ static void through_panes(void **state)
     }
 }
 
+/* ---- through bodies with parallel faces ---- */
+
+/* A small sun, with so few bounces that no path goes through by itself: what two faces let pass, and the glass between them. */
+static void sun_through_slab(void **state)
+{
+    (void)state;
+    const double cosine = 3 / sqrt(13), inside = sqrt(1 - (1 - cosine * cosine) / 2.25);
+    const double one = 1 - truth_fresnel(cosine, 1, 1.5);
+    static const char *const shapes[] = {
+        "box { from = <-90, 8, -90>  to = <90, 12, 90>",
+        "cylinder { from = <0, 8, 0>  to = <0, 12, 0>  radius = 90",
+        "intersection { box { from = <-90, 8, -90>  to = <90, 40, 90> } box { from = <-80, -9, -80>  to = <80, 12, 80> "
+        "}",
+        "mesh { positions = [<-90, 8, -90>, <90, 8, -90>, <90, 8, 90>, <-90, 8, 90>, <-90, 12, -90>, <90, 12, -90>, "
+        "<90, "
+        "12, 90>, <-90, 12, 90>]  triangles = [<0, 1, 2>, <0, 2, 3>, <4, 6, 5>, <4, 7, 6>, <0, 5, 1>, <0, 4, 5>, <1, "
+        "6, "
+        "2>, <1, 5, 6>, <2, 7, 3>, <2, 6, 7>, <3, 4, 0>, <3, 7, 4>]",
+    };
+    for (size_t i = 0; i < COUNT_OF(shapes); i++) {
+        char text[1500];
+        snprintf(text, sizeof text,
+                 FLOOR "medium green { ior = 1.5  absorption = .05 / 1mm  state = solid }\n"
+                       "light { shape = distant  from = <2, 3, 0>  to = <0, 0, 0>  angle = .1deg  power = 10 }\n"
+                       "%s  interior = green }\n",
+                 shapes[i]);
+        RenderSettings looking = truth_small(64);
+        looking.caustics = CAUSTICS_OFF;
+        looking.bounces = 1;
+        truth_expect("the sun through a slab", 0.8 / TRUTH_PI * 10 * cosine * one * one * exp(-0.05 * 4 / inside),
+                     truth_measure_as(text, NULL, &looking), 4, 0.002);
+    }
+}
+
+/* Looking and chance together find the same as chance alone, whatever else is on the way. */
+static void through_slabs(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *what, *between;
+        double resolution;
+    } cases[] = {
+        {"under a block, aslant",
+         "box { from = <-9, 0, -9>  to = <9, 9, 9>  rotate(<20, 30, 10>)  translate(<3, 8, 0>)  "
+         "interior = glass }",
+         0.008},
+        {"under three panes that reach into each other",
+         "box { from = <-30, 8, -30>  to = <30, 11, 30>  interior = green }\n"
+         "box { from = <-30, 10, -30>  to = <30, 14, 30>  interior = glass }\n"
+         "box { from = <-20, 14, -9>  to = <20, 15, 30>  interior = flint }",
+         0.008},
+        {"under a pane and a sheet",
+         "box { from = <-30, 8, -30>  to = <30, 9, 30>  interior = glass }\n"
+         "box { from = <0, 12, -90>  to = <90, 12.1, 90>  surface = pane }",
+         0.008},
+        {"under a pane that has a dent",
+         "difference { box { from = <-30, 8, -30>  to = <30, 12, 30> } sphere { center = <5, 13, 0>  radius = 5 }  "
+         "interior = glass }",
+         0.008},
+        {"under glass that scatters", "box { from = <-30, 8, -30>  to = <30, 10, 30>  interior = milky }", 0.01},
+        {"under a pane in fog",
+         "box { from = <-40, -1, -40>  to = <40, 40, 40>  interior = fog }\n"
+         "box { from = <-30, 12, -30>  to = <30, 14, 30>  interior = glass }",
+         0.01},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        char text[2000];
+        snprintf(text, sizeof text,
+                 FLOOR PANE
+                 "medium glass { ior = 1.5  state = solid }\n"
+                 "medium green { ior = 1.6  absorption = .05 / 1mm  state = solid }\n"
+                 "medium flint { ior = cauchy(1.7, .03)  state = solid }\n"
+                 "medium milky { ior = 1.5  scattering = .2 / 1mm  state = solid }\n"
+                 "medium fog { ior = 1  scattering = .02 / 1mm }\n"
+                 "light { shape = distant  from = <1, 3, 1>  to = <0, 0, 0>  angle = 40deg  radiance = 3 }\n%s\n",
+                 cases[i].between);
+        RenderSettings looking = truth_small(512);
+        looking.caustics = CAUSTICS_OFF;
+        Estimate sampled = truth_measure_as(text, NULL, &looking), chance = truth_measure(text, NULL, 4096, true);
+        truth_alike(cases[i].what, chance, sampled, 4, cases[i].resolution);
+    }
+}
+
 /* A box with a thin surface is two panes, between which light goes to and fro. */
 static void double_glazing(void **state)
 {
@@ -357,10 +440,20 @@ static void lamps_of_lines(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(spheres),         cmocka_unit_test(quads),          cmocka_unit_test(discs),
-        cmocka_unit_test(under_a_ceiling), cmocka_unit_test(into_a_cone),    cmocka_unit_test(from_infinity),
-        cmocka_unit_test(in_murk),         cmocka_unit_test(bulb_in_murk),   cmocka_unit_test(agree_in_fog),
-        cmocka_unit_test(through_panes),   cmocka_unit_test(double_glazing), cmocka_unit_test(lamps_of_lines),
+        cmocka_unit_test(spheres),
+        cmocka_unit_test(quads),
+        cmocka_unit_test(discs),
+        cmocka_unit_test(under_a_ceiling),
+        cmocka_unit_test(into_a_cone),
+        cmocka_unit_test(from_infinity),
+        cmocka_unit_test(in_murk),
+        cmocka_unit_test(bulb_in_murk),
+        cmocka_unit_test(agree_in_fog),
+        cmocka_unit_test(through_panes),
+        cmocka_unit_test(sun_through_slab),
+        cmocka_unit_test(through_slabs),
+        cmocka_unit_test(double_glazing),
+        cmocka_unit_test(lamps_of_lines),
     };
     return cmocka_run_group_tests_name("direct light", tests, NULL, NULL);
 }

@@ -1,0 +1,214 @@
+/* slabs.c - see slabs.h.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "scene/slabs.h"
+
+#include <stdlib.h>
+
+#include "base/array.h"
+
+/* Faces are parallel whose normals are so near to each other: meshes have their corners in float. */
+static const double parallel = 1 - 1e-8;
+
+/* A part of a body's surface: its area along its normal. */
+typedef struct Patch {
+    Vec3 area;
+    bool flat;
+} Patch;
+
+/* What is known of a shape's surface, as a map makes it. */
+typedef struct Faces {
+    const SceneShape *shape;
+    const Affine *map;
+    Vec3 axes[SLAB_AXES];
+    double towards[SLAB_AXES], against[SLAB_AXES]; /* areas */
+    uint32_t n;
+    double area;   /* of all, */
+    Patch largest; /* and the largest flat patch that looks along none of the axes */
+} Faces;
+
+static void add_patch(Faces *faces, const Patch *patch)
+{
+    double area = vec3_length(patch->area);
+    faces->area += area;
+    for (uint32_t i = 0; patch->flat && i < faces->n; i++) {
+        double along = vec3_dot(patch->area, faces->axes[i]);
+        if (fabs(along) < parallel * area) continue;
+        *(along > 0 ? &faces->towards[i] : &faces->against[i]) += area;
+        return;
+    }
+    if (patch->flat && area > vec3_length(faces->largest.area)) faces->largest = *patch;
+}
+
+static void add_mesh(Faces *faces, const Mesh *mesh)
+{
+    for (uint32_t i = 0; i < mesh->n_triangles; i++) {
+        Vec3 corner[3];
+        for (int k = 0; k < 3; k++) corner[k] = vec3_from_f(mesh->positions[mesh->triangles[i][k]]);
+        Vec3 area = vec3_scale(vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0])), 0.5);
+        add_patch(faces, &(Patch){affine_area(faces->map, area), true});
+    }
+}
+
+static bool is_flat(const Piece *piece)
+{
+    return piece->kind == PIECE_BAND && piece->y0 == piece->y1;
+}
+
+static void add_solid(Faces *faces, const Solid *solid)
+{
+    enum { PARTS = 8 };
+    for (uint32_t i = 0; i < solid->n_pieces; i++) {
+        const Piece *piece = &solid->pieces[i];
+        const double part = piece_area(piece) / (PARTS * PARTS);
+        for (int k = 0; k < PARTS * PARTS; k++) {
+            Vec3 normal;
+            (void)piece_sample(piece, (k % PARTS + 0.5) / PARTS, (k / PARTS + 0.5) / PARTS, &normal);
+            add_patch(faces, &(Patch){affine_area(faces->map, vec3_scale(normal, part)), is_flat(piece)});
+        }
+    }
+}
+
+/* Goes over the whole surface once. */
+static void add_surface(Faces *faces)
+{
+    faces->area = 0;
+    faces->largest.area = vec3(0, 0, 0);
+    for (uint32_t i = 0; i < SLAB_AXES; i++) faces->towards[i] = faces->against[i] = 0;
+    if (faces->shape->mesh)
+        add_mesh(faces, faces->shape->mesh);
+    else
+        add_solid(faces, faces->shape->solid);
+}
+
+/* Whether most of a body's surface are parallel faces; of rounded edges and the rim of a disc there is less. *slab: but for bounds. */
+static bool is_slab(const SceneShape *shape, const Affine *map, Slab *slab)
+{
+    const double most = 0.5, least = 0.02; /* of all together, of one axis */
+    Faces faces = {.shape = shape, .map = map};
+    double paired = 0;
+    slab->n_axes = 0;
+    add_surface(&faces);
+    while (faces.n < SLAB_AXES && vec3_length(faces.largest.area) > 0) {
+        uint32_t i = faces.n++;
+        faces.axes[i] = vec3_normalize(faces.largest.area);
+        add_surface(&faces);
+        double pair = 2 * fmin(faces.towards[i], faces.against[i]);
+        if (pair < least * faces.area) break;
+        paired += pair;
+        slab->axes[slab->n_axes++] = vec3f_from(faces.axes[i]);
+    }
+    return paired > most * faces.area;
+}
+
+static bool may_be_slab(const SceneShape *shape)
+{
+    bool has_flat = shape->mesh != NULL;
+    if (shape->mesh_end) return false;
+    for (uint32_t i = 0; shape->solid && i < shape->solid->n_pieces; i++) {
+        if (shape->solid->pieces[i].kind == PIECE_PLANE) return false;
+        has_flat |= is_flat(&shape->solid->pieces[i]);
+    }
+    return has_flat;
+}
+
+/* Shapes that many objects share are looked at once, where maps change no angle. */
+typedef struct Finder {
+    const CompiledScene *compiled;
+    Slab *of_shape;    /* in its own frame; n_axes 0: it is none */
+    bool *shape_known; /* of each shape */
+} Finder;
+
+static bool find_slab(Finder *finder, const SceneObject *object, Slab *slab)
+{
+    const SceneShape *shape = &finder->compiled->scene->shapes[object->shape];
+    const Affine own = affine_identity();
+    Slab *known = &finder->of_shape[object->shape];
+    if (!may_be_slab(shape)) return false;
+    if (!(affine_even_scale(&object->to_world, 1e-9) > 0)) return is_slab(shape, &object->to_world, slab);
+    if (!finder->shape_known[object->shape] && !is_slab(shape, &own, known)) known->n_axes = 0;
+    finder->shape_known[object->shape] = true;
+    slab->n_axes = known->n_axes;
+    for (uint32_t i = 0; i < known->n_axes; i++)
+        slab->axes[i] = vec3f_from(vec3_normalize(affine_area(&object->to_world, vec3_from_f(known->axes[i]))));
+    return slab->n_axes > 0;
+}
+
+/* Whether light goes through an object's surface as through smooth glass wherever it comes to it, and always at the same place. */
+static bool is_clear(const CompiledScene *compiled, uint32_t number)
+{
+    const Scene *scene = compiled->scene;
+    const SceneObject *object = &scene->objects[number];
+    if (compiled_hull(compiled, number) == SCENE_NONE || object->shape == SCENE_NONE || object->motion != SCENE_NONE)
+        return false;
+    if (object->surface == SCENE_NONE) return true;
+    const SceneSurface *surface = &scene->surfaces[object->surface];
+    return !(surface->roughness > 0) && !surface->painted && !surface->mixed && !surface_has_relief(surface);
+}
+
+/* Whether an object is of a medium of another index than what is outside, or of a combination that is. */
+static bool bends(const CompiledScene *compiled, uint32_t object)
+{
+    uint32_t medium = compiled->order.top[compiled_hull(compiled, object)].medium;
+    return compiled_indices_differ(compiled->scene, medium, NEST_WORLD_MEDIUM);
+}
+
+/* False when memory ends. */
+static bool find_all(Finder *finder, Slabs *slabs)
+{
+    const Scene *scene = finder->compiled->scene;
+    size_t capacity = 0, boxes_capacity = 0;
+    for (uint32_t i = 0; i < scene->n_objects; i++) {
+        Slab slab;
+        slabs->of_object[i] = SCENE_NONE;
+        if (!is_clear(finder->compiled, i) || !find_slab(finder, &scene->objects[i], &slab)) continue;
+        if (!array_reserve(&slabs->items, &capacity, slabs->n + 1U, sizeof *slabs->items) ||
+            !array_reserve(&slabs->boxes, &boxes_capacity, slabs->n_boxes + 1U, sizeof *slabs->boxes))
+            return false;
+        slabs->items[slabs->n] = slab;
+        slabs->of_object[i] = slabs->n++;
+        if (!bends(finder->compiled, i)) continue;
+        slabs->boxes[slabs->n_boxes] = scene_object_bounds(scene, &scene->objects[i], NULL);
+        slabs->bounds = box3_union(slabs->bounds, slabs->boxes[slabs->n_boxes++]);
+    }
+    return true;
+}
+
+Status slabs_find(const CompiledScene *compiled, Slabs *slabs, Error *error)
+{
+    const Scene *scene = compiled->scene;
+    Finder finder = {.compiled = compiled};
+    *slabs = (Slabs){.bounds = box3_empty()};
+    slabs->of_object = malloc((scene->n_objects + (size_t)1) * sizeof *slabs->of_object);
+    finder.of_shape = malloc((scene->n_shapes + (size_t)1) * sizeof *finder.of_shape);
+    finder.shape_known = calloc(scene->n_shapes + (size_t)1, sizeof *finder.shape_known);
+    bool good = slabs->of_object && finder.of_shape && finder.shape_known && find_all(&finder, slabs);
+    free(finder.of_shape);
+    free(finder.shape_known);
+    if (good) return STATUS_OK;
+    slabs_clear(slabs);
+    return fail_memory(error, scene->n_objects * sizeof *slabs->items, "bodies with parallel faces");
+}
+
+void slabs_clear(Slabs *slabs)
+{
+    free(slabs->items);
+    free(slabs->boxes);
+    free(slabs->of_object);
+    *slabs = (Slabs){0};
+}
+
+static bool comes_to(Box3 box, Vec3 from, Vec3 direction)
+{
+    double enter, leave;
+    return box3_cut(&box, from, direction, &enter, &leave) && leave > 0;
+}
+
+bool slabs_are_on_way(const Slabs *slabs, Vec3 from, Vec3f direction)
+{
+    enum { MOST = 32 }; /* of more the box around all of them tells */
+    const Vec3 d = vec3_from_f(direction);
+    if (!slabs->n_boxes || !comes_to(slabs->bounds, from, d)) return false;
+    bool any = slabs->n_boxes > MOST;
+    for (uint32_t i = 0; i < slabs->n_boxes && !any; i++) any = comes_to(slabs->boxes[i], from, d);
+    return any;
+}

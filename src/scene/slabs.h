@@ -1,0 +1,46 @@
+/* slabs.h - bodies with parallel faces: window panes, table tops, blocks of glass.
+ *
+ * Light of the sky and of the sun leaves them in the direction in which it came. So a look for such light goes on through them
+ * (slab_look.h), where at any other boundary it ends.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_SLABS_H
+#define MEN_SLABS_H
+
+#include "scene/compile.h"
+
+/* Its faces look along these axes, to both sides of each, and are most of what its surface is. */
+enum { SLAB_AXES = 3 };
+typedef struct Slab {
+    Vec3f axes[SLAB_AXES]; /* unit */
+    uint32_t n_axes;
+} Slab;
+
+/* All of a scene that are smooth and stand still. */
+typedef struct Slabs {
+    Slab *items;
+    uint32_t *of_object; /* SCENE_NONE: it is none */
+    uint32_t n;
+    /* around each of those that bend light which comes from outside, and around all of these */
+    Box3 *boxes, bounds;
+    uint32_t n_boxes;
+} Slabs;
+
+/* STATUS_NOMEM. */
+ATTR_NODISCARD Status slabs_find(const CompiledScene *compiled, Slabs *slabs, Error *error);
+void slabs_clear(Slabs *slabs);
+
+/* Whether a surface that was met is one of a slab's parallel faces. */
+static inline bool slabs_have_face(const Slabs *slabs, const Hit *hit)
+{
+    const float parallel = 1 - 1e-6f;
+    uint32_t number = slabs->of_object[hit->object];
+    if (number == SCENE_NONE) return false;
+    const Slab *slab = &slabs->items[number];
+    for (uint32_t i = 0; i < slab->n_axes; i++)
+        if (fabsf(vec3f_dot(slab->axes[i], hit->normal)) > parallel) return true;
+    return false;
+}
+/* Whether a line from outside may come to any of them. */
+bool slabs_are_on_way(const Slabs *slabs, Vec3 from, Vec3f direction);
+
+#endif

@@ -1,0 +1,46 @@
+/* slab_look.h - light of the sky and the sun through bodies with parallel faces; private to src/trace.
+ *
+ * Such light comes to a place from the direction in which it leaves the scene, so that a look for it can be followed: through
+ * flat faces alone, never mirrored, until it leaves the scene. Where it does so in the direction in which it was sent, the light
+ * there is what was looked for, and counts by what the faces let through. A path that is scattered in that direction, and goes
+ * through by chance, finds the same; both are weighed as where nothing is in the way. What is mirrored within a body, or leaves it
+ * at another angle, is none of this, and found as it was before.
+ *
+ * The way of a look is that of one wavelength, as a path's is (sample.c). The others would go beside it, by some hundredths of the
+ * body's thickness, and are taken to come as far as that one does; of what the faces let through each has its own part.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_SLAB_LOOK_H
+#define MEN_SLAB_LOOK_H
+
+#include "trace/event.h"
+#include "trace/shade.h"
+
+/* More faces on a way than these are none of this. */
+enum { SLAB_FACES = 64 };
+
+/* Whether the path's next ray goes on behind faces of slabs alone. */
+static inline bool path_is_in_slabs(const Path *path)
+{
+    return UNLIKELY(path->slab_way.bounce == path->bounce);
+}
+/* Whether a boundary is a face of a slab; place: where it is met. */
+static inline bool slab_is_face(const World *world, const Event *event, const SurfacePlace *place)
+{
+    return UNLIKELY(world->slabs.n) && slabs_have_face(&world->slabs, &event->hit) && !path_is_bent(place);
+}
+/* The path is about to be refracted at a face of a slab; rarity: of its airway, in front. */
+void slab_go_through(Path *path, float rarity);
+/* It has gone straight through a thin pane. */
+static inline void slab_pass_pane(Path *path)
+{
+    path->slab_way.bounce += path_is_in_slabs(path);
+}
+/* Whether what the path goes on in now is the direction in front of all slabs. */
+bool slab_keeps_direction(const Path *path);
+/* It leaves the scene behind slabs: if as it came to them, that way counts as straight. */
+void slab_leave_scene(Path *path);
+
+/* As path_shadow, for light from infinity that comes through slabs. The ray is one that path_shadow says is blocked. */
+bool slab_shadow(Path *path, const Ray *ray, Lanes *transmittance);
+
+#endif
