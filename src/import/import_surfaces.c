@@ -279,7 +279,7 @@ static void write_with_holes(Importer *im, const ImportMaterial *material, const
     cover.value = true;
     add_cover(&cover, material);
     Buf *out = node_prop(&node, "mix");
-    buf_add(out, "[surface { thin = true  ior = 1  transmission = 1 },\n    ");
+    buf_add(out, "[surface { thin = true  ior = 1  transmission = 1  specular = 0 },\n    ");
     node_end_value(&cover, out);
     buf_add(out, "]");
     node_word(&node, "weight", weight);

@@ -130,8 +130,8 @@ static void add_clear(const Making *m, float share, Lanes eta_t)
     Lanes ior = at(m, &spec->specular_ior), phase = lanes_all(0);
     if (spec->film_thickness_nm >= 0)
         phase = lanes_div(lanes_scale(ior, 4 * SAMPLING_PI * float_max(spec->film_thickness_nm, 1e-3f)), m->nm);
-    bsdf_add_sheet(m->bsdf, share, lanes_div(ior, m->eta_i), m->alpha_x, m->alpha_y, at(m, &spec->transmission_color),
-                   phase);
+    Lanes eta = bsdf_weakened(lanes_div(ior, m->eta_i), spec->specular_weight);
+    bsdf_add_sheet(m->bsdf, share, eta, m->alpha_x, m->alpha_y, at(m, &spec->transmission_color), phase);
 }
 
 void bsdf_from_spec(const BsdfSpec *spec, Lanes wavelength_nm, Lanes eta_i, Lanes eta_t, const BsdfKept *kept,

@@ -366,7 +366,8 @@ static void check_opaque(Builder *b, const EvalNode *node)
         diag_hint(b->diag, report, "name one, interior = a medium, or make the surface thin = true");
     } else if (lets_through && !eval_prop(node, "ior")) {
         Diagnostic *report = build_needs(b, node, "transmission", "without an 'ior'");
-        if (report) diag_hint(b->diag, report, "a pane of glass: ior = 1.5");
+        if (report)
+            diag_hint(b->diag, report, "a pane of glass: ior = 1.5; where a sheet has holes: ior = 1  specular = 0");
     }
     static const struct {
         const char *property;

@@ -51,6 +51,7 @@ static void cover_is_what_stops_straight_lines(void **state)
          .25},
         {"a thin pane", "box { from = <-9, -9, 0>  to = <9, 9, 0.001>  interior = glass }", 1, 1},
         {"two sheets", SHEETS("ior = 1.5  transmission = 1"), 1 - pane * pane, -1},
+        {"sheets seen nowhere", SHEETS("ior = 1.5  transmission = 1  specular = 0"), 0, 0},
         {"painted sheets", SHEETS("ior = 1.001  transmission = .4  albedo = 0"), 1 - .4 * .4, -1},
         {"what absorbs", "box { from = <-9, -9, -1>  to = <9, 9, 1>  interior = thin }", 1 - exp(-.6), 0},
         {"what scatters", "box { from = <-9, -9, -1>  to = <9, 9, 1>  interior = fog }", 1 - exp(-.6), 1 - exp(-.6)},
