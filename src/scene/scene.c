@@ -31,6 +31,13 @@ NestState scene_mixing_state(const SceneMedium *medium, bool is_world)
     return medium->mixes || is_world || spectrum_max(&medium->ior) <= most_gaseous_ior ? NEST_GAS : NEST_STATE_UNKNOWN;
 }
 
+bool scene_surface_has_pane(const Scene *scene, uint32_t surface)
+{
+    const SceneSurface *row = &scene->surfaces[surface];
+    if (!row->mixed) return surface_is_pane(row);
+    return !row->emits && (scene_surface_has_pane(scene, row->mix[0]) || scene_surface_has_pane(scene, row->mix[1]));
+}
+
 uint64_t scene_texture_identity(const Scene *scene, uint32_t object)
 {
     const char *name = scene->objects[scene_whole(scene, object)].name;

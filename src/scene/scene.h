@@ -353,13 +353,26 @@ static inline bool scene_is_plane(const Scene *scene, uint32_t object)
     const Solid *solid = shape == SCENE_NONE ? NULL : scene->shapes[shape].solid;
     return solid && solid->pieces[0].kind == PIECE_PLANE;
 }
-/* Whether all of it is a smooth, even sheet that lets some light straight on: rays towards lights go through it. */
+/* Whether it is a smooth sheet, without relief, that lets some light straight on, here and there at least. */
+static inline bool surface_is_pane(const SceneSurface *surface)
+{
+    if (!surface->thin || !surface->finished || surface->mixed || surface->emits || surface_has_relief(surface))
+        return false;
+    bool clear = surface->spec.transmission_weight > 0;
+    for (uint32_t i = 0; i < surface->n_textures; i++) {
+        if (surface->textures[i].offset == offsetof(BsdfSpec, specular_roughness)) return false;
+        clear |= surface->textures[i].offset == offsetof(BsdfSpec, transmission_weight);
+    }
+    return clear && surface->spec.specular_roughness < 0.03f;
+}
+/* Whether a surface, or a part of what it is a mix of, is a pane. */
+bool scene_surface_has_pane(const Scene *scene, uint32_t surface);
+/* Whether rays towards lights go through an object that has no interior: through panes, and holes in sheets, which are
+ * panes in a mix. */
 static inline bool scene_is_pane(const Scene *scene, uint32_t object)
 {
-    if (!scene_is_thin(scene, object) || scene->objects[object].light != SCENE_NONE) return false;
-    const SceneSurface *surface = &scene->surfaces[scene->objects[object].surface];
-    return surface->finished && !surface->mixed && !surface->emits && !surface_has_textures(surface) &&
-           surface->spec.transmission_weight > 0 && surface->spec.specular_roughness < 0.03f;
+    return scene_is_thin(scene, object) && scene->objects[object].light == SCENE_NONE &&
+           scene_surface_has_pane(scene, scene->objects[object].surface);
 }
 /* What tells an object from others where textures vary: its name, which neither layout nor objects behind it change; an
  * operand has that of the whole. */

@@ -29,11 +29,7 @@ void path_add_radiance(Path *path, Lanes factor, Lanes basic)
 
 static float mix_weight(const Path *path, const Event *event, const SceneSurface *surface)
 {
-    if (!surface->n_textures) return surface->spec.mix_weight;
-    SurfacePlace place = path_place(path, event);
-    BsdfSpec spec;
-    path_read_textures(path, event, surface, &place, path->wavelengths.nm, &spec);
-    return spec.mix_weight;
+    return texture_mix_weight(path->tracer->world, surface, &path->ray, &event->hit, (double)path->cone_width);
 }
 
 ATTR_APART const SceneSurface *path_surface_of_mix(const Path *path, const Event *event, const SceneSurface *surface)

@@ -11,6 +11,7 @@
 #include "optics/sampling.h"
 #include "trace/event.h"
 #include "trace/probe.h"
+#include "trace/texture_shade.h"
 
 /* The local frame of a Bsdf about a normal. */
 typedef struct Frame {
@@ -282,7 +283,7 @@ static bool scatter(Path *path, Event *event, Bsdf *bsdf, const SurfacePlace *pl
     if (!(hero > 0) || lanes_zero(sample.weight)) return false;
     bool on = sample.specular && sample.transmitted && event->kind == EVENT_OPAQUE;
     const bool sight = UNLIKELY(on) && path->ray.sight && vec3f_dot(direction, path->ray.direction) > 1 - 0x1p-16f;
-    *straight = on && scene_is_pane(path->tracer->world->scene, event->hit.object);
+    *straight = on && *straight;
     if (UNLIKELY(*straight)) {
         direction = path->ray.direction;
     } else {
@@ -347,13 +348,43 @@ bool path_shade_finished(Path *path, Event *event, const SceneSurface *surface, 
         path_look_ahead(path, place, around, brightness))
         bsdf_set_brightness(&bsdf, brightness);
     Frame frame = frame_of(path, event, surface, spec, place);
+    *straight = surface_is_pane(surface) && scene_is_pane(world->scene, event->hit.object);
     return scatter(path, event, &bsdf, place, &frame, straight);
+}
+
+/* What a pane, or the panes in a mix, leave of a straight ray that hits them at an angle of that cosine. */
+static Lanes pass_sheet(const Path *path, const Ray *ray, const Hit *hit, const SceneSurface *surface, Lanes around,
+                        float cosine)
+{
+    const World *world = path->tracer->world;
+    const SceneSurface *surfaces = world->scene->surfaces;
+    if (surface->mixed) {
+        float weight = texture_mix_weight(world, surface, ray, hit, (double)path->cone_width);
+        Lanes left = lanes_all(0);
+        for (int i = 0; i < 2; i++) {
+            float part = i ? weight : 1 - weight;
+            if (!(part > 0) || !scene_surface_has_pane(world->scene, surface->mix[i])) continue;
+            left = lanes_add(left,
+                             lanes_scale(pass_sheet(path, ray, hit, &surfaces[surface->mix[i]], around, cosine), part));
+        }
+        return left;
+    }
+    if (!surface_is_pane(surface)) return lanes_all(0);
+    const BsdfSpec *spec = &surface->spec;
+    BsdfSpec textured;
+    if (surface->n_textures) {
+        texture_read_spec(world, surface, ray, hit, (double)path->cone_width, path->wavelengths.nm, &textured);
+        spec = &textured;
+    }
+    Bsdf bsdf;
+    bsdf_from_spec(spec, path->wavelengths.nm, around, around, NULL, &bsdf);
+    return bsdf_straight(&bsdf, cosine);
 }
 
 Lanes path_pass_panes(const Path *path, const Ray *ray, const Hit *hits, size_t n, uint32_t medium)
 {
     const World *world = path->tracer->world;
-    Lanes left = lanes_all(1), nm = path->wavelengths.nm;
+    Lanes left = lanes_all(1), around = medium_ior(world, medium, path->wavelengths.nm);
     for (size_t i = 0; i < n; i++) {
         const Hit *hit = &hits[i];
         if (world->compiled->hull_of_object[hit->object] != SCENE_NONE) continue;
@@ -361,12 +392,9 @@ Lanes path_pass_panes(const Path *path, const Ray *ray, const Hit *hits, size_t 
         for (size_t k = 0; k < i; k++) again |= hits[k].object == hit->object && hits[k].entering == hit->entering;
         if (again) continue;
         SurfacePlace place = path_place_of(world, ray, hit);
-        Lanes around = medium_ior(world, medium, nm);
-        Bsdf bsdf;
-        bsdf_from_spec(&world->scene->surfaces[world->scene->objects[hit->object].surface].spec, nm, around, around,
-                       NULL, &bsdf);
+        const SceneSurface *surface = &world->scene->surfaces[world->scene->objects[hit->object].surface];
         float cosine = float_min(-vec3f_dot(ray->direction, place.normal), 1);
-        left = cosine > 0 ? lanes_mul(left, bsdf_straight(&bsdf, cosine)) : lanes_all(0);
+        left = cosine > 0 ? lanes_mul(left, pass_sheet(path, ray, hit, surface, around, cosine)) : lanes_all(0);
     }
     return left;
 }
@@ -391,6 +419,6 @@ bool path_cross_rough(Path *path, Event *event, const SceneSurface *surface, con
         bsdf_add_boundary(&bsdf, 1, eta_i, eta_t, alpha_x, alpha_y);
     }
     Frame frame = frame_of(path, event, surface, spec, place);
-    bool straight;
+    bool straight = false;
     return scatter(path, event, &bsdf, place, &frame, &straight);
 }

@@ -143,12 +143,28 @@ static void read_color(const Scene *scene, const SurfaceTexture *texture, const 
     for (int i = 0; i < LANES; i++) out->value[i] = lanes_get(value, i);
 }
 
-void path_read_textures(const Path *path, const Event *event, const SceneSurface *surface, SurfacePlace *place,
-                        Lanes wavelength_nm, BsdfSpec *spec)
+static float read_number(const Scene *scene, const SurfaceTexture *texture, const TexturePlace *at)
 {
-    const Scene *scene = path->tracer->world->scene;
+    return texture->factor *
+           float_min(float_max(texture_number_at(scene->textures, texture->texture, at), texture->least),
+                     texture->most);
+}
+
+float texture_mix_weight(const World *world, const SceneSurface *surface, const Ray *ray, const Hit *hit,
+                         double footprint)
+{
+    const SurfaceTexture *texture = surface->textures;
+    const SurfaceTexture *end = texture + surface->n_textures;
+    while (texture < end && texture->offset != offsetof(BsdfSpec, mix_weight)) texture++;
+    if (texture == end) return surface->spec.mix_weight;
     TextureView view;
-    texture_view(path->tracer->world, surface, &path->ray, &event->hit, (double)path->cone_width, &view);
+    texture_view(world, surface, ray, hit, footprint, &view);
+    return read_number(world->scene, texture, &view.at);
+}
+
+static void read_spec(const Scene *scene, const SceneSurface *surface, const TexturePlace *at, Lanes wavelength_nm,
+                      BsdfSpec *spec)
+{
     if (surface->finished || surface->mixed || surface->painted || surface->roughness > 0)
         *spec = surface->spec;
     else
@@ -157,13 +173,26 @@ void path_read_textures(const Path *path, const Event *event, const SceneSurface
         const SurfaceTexture *texture = &surface->textures[i];
         void *target = (char *)spec + texture->offset;
         if (texture->color)
-            read_color(scene, texture, &view.at, wavelength_nm, target);
+            read_color(scene, texture, at, wavelength_nm, target);
         else
-            *(float *)target =
-                texture->factor *
-                float_min(float_max(texture_number_at(scene->textures, texture->texture, &view.at), texture->least),
-                          texture->most);
+            *(float *)target = read_number(scene, texture, at);
     }
+}
+
+void texture_read_spec(const World *world, const SceneSurface *surface, const Ray *ray, const Hit *hit,
+                       double footprint, Lanes wavelength_nm, BsdfSpec *spec)
+{
+    TextureView view;
+    texture_view(world, surface, ray, hit, footprint, &view);
+    read_spec(world->scene, surface, &view.at, wavelength_nm, spec);
+}
+
+void path_read_textures(const Path *path, const Event *event, const SceneSurface *surface, SurfacePlace *place,
+                        Lanes wavelength_nm, BsdfSpec *spec)
+{
+    TextureView view;
+    texture_view(path->tracer->world, surface, &path->ray, &event->hit, (double)path->cone_width, &view);
+    read_spec(path->tracer->world->scene, surface, &view.at, wavelength_nm, spec);
     if (surface_has_relief(surface)) add_relief(path, event, surface, &view, place);
 }
 

@@ -20,6 +20,13 @@ void path_relief(const Path *path, const Event *event, const SceneSurface *surfa
  * what path_relief does. */
 void path_read_textures(const Path *path, const Event *event, const SceneSurface *surface, SurfacePlace *place,
                         Lanes wavelength_nm, BsdfSpec *spec);
+/* The parameters of a surface with textures and without relief where a ray hits it; footprint: the size of what need not be
+ * told apart. */
+void texture_read_spec(const World *world, const SceneSurface *surface, const Ray *ray, const Hit *hit,
+                       double footprint, Lanes wavelength_nm, BsdfSpec *spec);
+/* The part of a mix that is its second surface there. */
+float texture_mix_weight(const World *world, const SceneSurface *surface, const Ray *ray, const Hit *hit,
+                         double footprint);
 /* path_albedos of a surface with textures. */
 void path_read_albedos(const Path *path, const Event *event, const SceneSurface *surface,
                        const Lanes wavelength_nm[COLOR_FOURS], Lanes albedo[COLOR_FOURS]);

@@ -292,6 +292,14 @@ static void through_panes(void **state)
                      "mesh { positions = [<1980, 3000, -20>, <2020, 3000, -20>, <2000, 3000, 40>]  triangles = [<0, 1, "
                      "2>]  surface = pane }",
                 NULL, 10 * cosine * truth_pane(cosine, 1.5), 0);
+    /* a point, which no path finds by chance; a box has two sides */
+    expect_both(
+        "a point through the holes of a sheet",
+        "def part(p) = p.x ^ 2 + p.z ^ 2 < 400 ? .25 : 1\n"
+        "light { shape = point  from = <0, 20, 0>  intensity = 4e-4 }\n"
+        "box { from = <-30, 8, -30>  to = <30, 8.001, 30>  surface = surface { weight = part\n"
+        "  mix = [surface { thin = true  transmission = 1  ior = 1  specular = 0 }, surface { albedo = 0 }] } }",
+        NULL, 0.75 * 0.75, 0);
     static const struct {
         const char *what, *between;
     } cases[] = {
@@ -302,6 +310,17 @@ static void through_panes(void **state)
                                            "box { from = <0, 6, -90>  to = <90, 6.1, 90>  surface = tinted }"},
         {"lamp behind a pane that is matte in part",
          "box { from = <-90, 8, -90>  to = <90, 8.1, 90>  surface = half }"},
+        {"lamp behind holes", "def holes(p) = mod(floor(p.x / 3) + floor(p.z / 3), 2)\n"
+                              "surface lace { mix = [nothing, surface { albedo = .6 }]  weight = holes }\n"
+                              "box { from = <-90, 8, -90>  to = <90, 8.1, 90>  surface = lace }"},
+        {"lamp behind panes of two colours",
+         "def colors(p) = p.x < 0 ? rgb(.9, .2, .1) : rgb(.2, .5, .9)\n"
+         "surface stained { thin = true  transmission = 1  ior = 1.5  tint = colors }\n"
+         "box { from = <-90, 8, -90>  to = <90, 8.1, 90>  surface = stained }"},
+        {"lamp behind a pane that is clear in part",
+         "def clear(p) = clamp(.5 + p.z / 20, 0, 1)\n"
+         "surface print { thin = true  transmission = clear  albedo = .6  ior = 1.5 }\n"
+         "box { from = <-90, 8, -90>  to = <90, 8.1, 90>  surface = print }"},
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         char text[1500];
@@ -310,6 +329,7 @@ static void through_panes(void **state)
                  "surface tinted { thin = true  transmission = 1  ior = 1.5  roughness = 0  tint = rgb(.4, .7, .9) }\n"
                  "surface film { thin = true  transmission = 1  ior = 1.33  roughness = 0  film = 320nm }\n"
                  "surface half { thin = true  transmission = .5  albedo = .6  ior = 1.5  roughness = 0 }\n"
+                 "surface nothing { thin = true  transmission = 1  ior = 1  specular = 0 }\n"
                  "light { shape = sphere  from = <5, 18, 0>  radius = 8  radiance = 2 }\n%s\n",
                  cases[i].between);
         /* without photons: what is tested is that the lamp is found by looking */
@@ -401,59 +421,63 @@ static void through_slabs(void **state)
         Estimate sampled = truth_measure_as(text, NULL, &looking), chance = truth_measure(text, NULL, 4096, true);
         truth_alike(cases[i].what, chance, sampled, 4, cases[i].resolution);
     }
-}
+    /* Holes of a sheet that stands in glass are not to be seen there, where a pane of another index would be. */
+    static void holes_in_glass(void **state)
+    {
+        (void)state;
+        Estimate seen = truth_measure(
+            "meniscus 1.0 unit mm  medium glass { ior = 1.5 }\n"
+            "box { from = <-60, -5, -60>  to = <60, 5, 60>  interior = glass }\n"
+            "box { from = <-50, -2, -50>  to = <50, 2, 50>  surface = surface { weight = 0\n"
+            "  mix = [surface { thin = true  transmission = 1  ior = 1  specular = 0 }, surface { }] } }\n"
+            "light { from = <0, -90, 0>  to = <0, 0, 0>  size = <90, 90>  radiance = 2 }\n"
+            "camera { from = <0, 300, 0>  to = <0, 0, 0>  up = z  fov = .01deg }\n",
+            NULL, 1024, false);
+        truth_expect("a lamp through glass with a sheet of holes", 2 * truth_pane(1, 1.5), seen, 4, 0.004);
+    }
 
-/* A box with a thin surface is two panes, between which light goes to and fro. */
-static void double_glazing(void **state)
-{
-    (void)state;
-    const double one = truth_pane(1, 1.5);
-    Estimate seen =
-        truth_measure("meniscus 1.0 unit mm " PANE "box { from = <-60, 0, -60>  to = <60, 16, 60>  surface = pane }\n"
-                      "light { from = <0, -90, 0>  to = <0, 0, 0>  size = <90, 90>  radiance = 2 }\n"
-                      "camera { from = <0, 300, 0>  to = <0, 0, 0>  up = z  fov = .01deg }\n",
-                      NULL, 1024, false);
-    truth_expect("a lamp seen through double glazing", 2 * one * one / (1 - (1 - one) * (1 - one)), seen, 4, 0.004);
-}
+    /* A box with a thin surface is two panes, between which light goes to and fro. */
+    static void double_glazing(void **state)
+    {
+        (void)state;
+        const double one = truth_pane(1, 1.5);
+        Estimate seen = truth_measure("meniscus 1.0 unit mm " PANE
+                                      "box { from = <-60, 0, -60>  to = <60, 16, 60>  surface = pane }\n"
+                                      "light { from = <0, -90, 0>  to = <0, 0, 0>  size = <90, 90>  radiance = 2 }\n"
+                                      "camera { from = <0, 300, 0>  to = <0, 0, 0>  up = z  fov = .01deg }\n",
+                                      NULL, 1024, false);
+        truth_expect("a lamp seen through double glazing", 2 * one * one / (1 - (1 - one) * (1 - one)), seen, 4, 0.004);
+    }
 
-/* Three lanes of each path are for lines where these are all the light, and one beside other lights: the light of two lamps is
+    /* Three lanes of each path are for lines where these are all the light, and one beside other lights: the light of two lamps is
  * that of one and that of the other. */
-static void lamps_of_lines(void **state)
-{
-    (void)state;
-    static const char line[] = "light { shape = sphere  from = <0, 20, 0>  radius = 4  "
-                               "radiance = 90  color = spectrum([<588.9, 0>, <589, 1>, <589.1, 0>]) }",
-                      white[] = "light { shape = sphere  from = <9, 20, 3>  radius = 4  radiance = 80 }";
-    char text[1500];
-    snprintf(text, sizeof text, FLOOR "%s\n", line);
-    Estimate of_line = truth_measure(text, NULL, 64, false), by_chance = truth_measure(text, NULL, 4096, true);
-    truth_alike("lamp of one line, by chance", by_chance, of_line, 4, 0.01);
-    assert_true(of_line.error < 0.002 * of_line.mean);
-    snprintf(text, sizeof text, FLOOR "%s\n", white);
-    Estimate of_white = truth_measure(text, NULL, 512, false);
-    snprintf(text, sizeof text, FLOOR "%s\n%s\n", line, white);
-    Estimate of_both = truth_measure(text, NULL, 512, false);
-    Estimate sum = {of_line.mean + of_white.mean, hypot(of_line.error, of_white.error)};
-    truth_alike("that lamp and a white one", of_both, sum, 4, 0.002);
-}
+    static void lamps_of_lines(void **state)
+    {
+        (void)state;
+        static const char line[] = "light { shape = sphere  from = <0, 20, 0>  radius = 4  "
+                                   "radiance = 90  color = spectrum([<588.9, 0>, <589, 1>, <589.1, 0>]) }",
+                          white[] = "light { shape = sphere  from = <9, 20, 3>  radius = 4  radiance = 80 }";
+        char text[1500];
+        snprintf(text, sizeof text, FLOOR "%s\n", line);
+        Estimate of_line = truth_measure(text, NULL, 64, false), by_chance = truth_measure(text, NULL, 4096, true);
+        truth_alike("lamp of one line, by chance", by_chance, of_line, 4, 0.01);
+        assert_true(of_line.error < 0.002 * of_line.mean);
+        snprintf(text, sizeof text, FLOOR "%s\n", white);
+        Estimate of_white = truth_measure(text, NULL, 512, false);
+        snprintf(text, sizeof text, FLOOR "%s\n%s\n", line, white);
+        Estimate of_both = truth_measure(text, NULL, 512, false);
+        Estimate sum = {of_line.mean + of_white.mean, hypot(of_line.error, of_white.error)};
+        truth_alike("that lamp and a white one", of_both, sum, 4, 0.002);
+    }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(spheres),
-        cmocka_unit_test(quads),
-        cmocka_unit_test(discs),
-        cmocka_unit_test(under_a_ceiling),
-        cmocka_unit_test(into_a_cone),
-        cmocka_unit_test(from_infinity),
-        cmocka_unit_test(in_murk),
-        cmocka_unit_test(bulb_in_murk),
-        cmocka_unit_test(agree_in_fog),
-        cmocka_unit_test(through_panes),
-        cmocka_unit_test(sun_through_slab),
-        cmocka_unit_test(through_slabs),
-        cmocka_unit_test(double_glazing),
-        cmocka_unit_test(lamps_of_lines),
-    };
-    return cmocka_run_group_tests_name("direct light", tests, NULL, NULL);
-}
+    int main(void)
+    {
+        const struct CMUnitTest tests[] = {
+            cmocka_unit_test(spheres),         cmocka_unit_test(quads),          cmocka_unit_test(discs),
+            cmocka_unit_test(under_a_ceiling), cmocka_unit_test(into_a_cone),    cmocka_unit_test(from_infinity),
+            cmocka_unit_test(in_murk),         cmocka_unit_test(bulb_in_murk),   cmocka_unit_test(agree_in_fog),
+            cmocka_unit_test(through_panes),   cmocka_unit_test(holes_in_glass), cmocka_unit_test(sun_through_slab),
+            cmocka_unit_test(through_slabs),   cmocka_unit_test(double_glazing), cmocka_unit_test(lamps_of_lines),
+        };
+        return cmocka_run_group_tests_name("direct light", tests, NULL, NULL);
+    }
