@@ -57,8 +57,9 @@ static bool follow_photon(Path *path, bool far, float flux, Photon *photon)
         } else if (event.kind == EVENT_OPAQUE) {
             const SceneObject *object = &scene->objects[event.hit.object];
             if (object->light != SCENE_NONE || object->surface == SCENE_NONE) return false;
-            goes_on = scene->surfaces[object->surface].finished && path_shade_opaque(path, &event) &&
-                      path_went_straight(path);
+            const SceneSurface *surface = &scene->surfaces[object->surface];
+            goes_on =
+                (surface->finished || surface->mixed) && path_shade_opaque(path, &event) && path_went_straight(path);
             straight = scene_is_pane(scene, event.hit.object) && vec3f_dot(before, path->ray.direction) > 0.999999f;
         }
         uint64_t step = event.kind == EVENT_SCATTER ? 0 : 2 * (uint64_t)event.hit.object + 1;

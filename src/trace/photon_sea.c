@@ -78,7 +78,8 @@ static bool pass_event(Path *path, Event *event, bool *lands)
     const SceneObject *object = &scene->objects[event->hit.object];
     if (object->light != SCENE_NONE || object->surface == SCENE_NONE) return false;
     bool goes_on = path_shade_opaque(path, event);
-    *lands = !goes_on || !path_went_straight(path) || !scene->surfaces[object->surface].finished;
+    const SceneSurface *surface = &scene->surfaces[object->surface];
+    *lands = !goes_on || !path_went_straight(path) || !(surface->finished || surface->mixed);
     return goes_on;
 }
 

@@ -51,6 +51,16 @@ static void closed_forms(void **state)
     assert_true(slab.guide.landed > 0);
     truth_expect("floor under a slab of glass, in the sun: E (1-R)/(1+R)",
                  albedo * sun_irradiance * (1 - glass) / (1 + glass), slab.mean, 4, 0.004);
+    /* photons go through holes, which are a part of a mix; the box has two sides */
+    Measured lace =
+        measure(MEDIA LOOK FLOOR SUN "box { interior = glass  from = <-6, 60, -6>  to = <6, 66, 6> }\n"
+                                     "box { from = <-9, 70, -9>  to = <9, 70.001, 9>  surface = surface { weight = .3\n"
+                                     "  mix = [surface { thin = true  transmission = 1  ior = 1  specular = 0 },\n"
+                                     "         surface { albedo = 0 }] } }\n",
+                4096, CAUSTICS_AUTOMATIC);
+    assert_true(lace.guide.landed > 0);
+    truth_expect("floor under such a slab behind holes", albedo * sun_irradiance * (1 - glass) / (1 + glass) * .7 * .7,
+                 lace.mean, 4, 0.01);
     /* a ball of index n and radius r is a lens of focal length n r / (2 (n - 1)) about its centre; what it sends to the axis
      * at a distance d is denser by (1 - d / f)^-2 */
     Measured ball = measure(MEDIA LOOK FLOOR SUN "medium thin { ior = 1.1 state = solid }\n"
