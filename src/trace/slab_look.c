@@ -8,7 +8,7 @@
 /* A look's flights have numbers beyond those of all paths and probes. */
 enum { FIRST_BOUNCE = 1 << 25 };
 
-void slab_go_through(Path *path, float rarity)
+void slab_meet_face(Path *path, bool mirrored, float rarity)
 {
     SlabWay *way = &path->slab_way;
     if (way->bounce != path->bounce) {
@@ -16,9 +16,12 @@ void slab_go_through(Path *path, float rarity)
         way->scatter_pdf = path->scatter_pdf;
         way->rarity = rarity;
         way->bent = path->probing.bent;
-        way->n_faces = 0;
+        way->n_faces = way->n_mirrored = 0;
     }
-    way->bounce = ++way->n_faces <= SLAB_FACES ? path->bounce + 1 : SLAB_NOWHERE;
+    way->n_faces++;
+    way->n_mirrored += mirrored;
+    bool goes_on = way->n_faces <= SLAB_FACES && way->n_mirrored <= SLAB_MIRRORED;
+    way->bounce = goes_on ? path->bounce + 1 : SLAB_NOWHERE;
 }
 
 /* To what rounding makes of directions at a dozen faces, some of them met at grazing angles. */
@@ -44,30 +47,72 @@ void slab_leave_scene(Path *path)
     path->probing.bent = way->bent;
 }
 
-/* The reflectance of a face for each wavelength by its own index, whichever the path takes. */
-static Lanes reflectance_of(const Path *look, const Event *event, const SurfacePlace *place)
+/* ---- looks ---- */
+
+/* Where a look meets a face. */
+typedef struct Face {
+    SurfacePlace place;
+    Lanes reflectance; /* of each wavelength by its own index, whichever the path takes */
+    Vec3f refracted;
+    bool passes;
+} Face;
+
+static bool meet_face(Path *look, const Event *event, Face *face)
 {
     const World *world = look->tracer->world;
+    const uint32_t from = event->crossing.medium_from, to = event->crossing.medium_to;
     const Lanes nm = look->wavelengths.nm;
-    return fresnel_dielectric_lanes(-vec3f_dot(look->ray.direction, place->normal),
-                                    medium_ior(world, event->crossing.medium_from, nm),
-                                    medium_ior(world, event->crossing.medium_to, nm));
-}
-
-static bool cross_face(Path *look, Event *event)
-{
-    SurfacePlace place = path_place(look, event);
-    Lanes reflectance;
-    Vec3f direction;
-    if (!slab_is_face(look->tracer->world, event, &place) ||
-        !fresnel_refract(look->ray.direction, place.normal, path_ior(look, event->crossing.medium_from),
-                         path_ior(look, event->crossing.medium_to), &reflectance, &direction))
-        return false;
-    look->beta = lanes_mul(look->beta, lanes_rest(reflectance_of(look, event, &place)));
-    path_leave(look, event, &place, true, direction);
+    Lanes ignored;
+    face->place = path_place(look, event);
+    if (!slab_is_face(world, event, &face->place)) return false;
+    Vec3f normal = face->place.normal;
+    face->passes = fresnel_refract(look->ray.direction, normal, path_ior(look, from), path_ior(look, to), &ignored,
+                                   &face->refracted);
+    face->reflectance = fresnel_dielectric_lanes(-vec3f_dot(look->ray.direction, normal), medium_ior(world, from, nm),
+                                                 medium_ior(world, to, nm));
     return true;
 }
 
+/* A look, and those that it parts into. */
+typedef struct Look {
+    Path path;
+    Vec3f wanted; /* in which they are to leave the scene */
+    uint32_t n_faces, n_mirrored;
+} Look;
+
+static Lanes follow(Look *look);
+
+/* What comes by being mirrored at a face: as often as it reflects, by a look of its own. */
+static Lanes follow_mirrored(const Look *look, const Event *event, const Face *face)
+{
+    const Path *path = &look->path;
+    float chosen = lanes_mean(face->reflectance);
+    if (look->n_mirrored == SLAB_MIRRORED ||
+        sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_LOBE)) >= chosen)
+        return lanes_all(0);
+    Tracer *tracer = path->tracer, *looker = tracer_for_looks(tracer);
+    Look mirrored = *look;
+    Event there = *event;
+    bool good = looker && nest_list_copy(&looker->list, &tracer->list) == STATUS_OK;
+    if (good) looker->hits.n = 0;
+    for (size_t i = 0; good && i < event->n_cluster; i++) good = rtc_add_hit(&looker->hits, &tracer->hits.items[i]);
+    if (!good) {
+        tracer->out_of_memory = true;
+        return lanes_all(0);
+    }
+    mirrored.n_mirrored++;
+    mirrored.path.tracer = looker;
+    mirrored.path.beta = lanes_mul(path->beta, lanes_scale(face->reflectance, 1 / chosen));
+    mirrored.path.bounce++;
+    path_leave(&mirrored.path, &there, &face->place, false, reflect_direction(path->ray.direction, face->place.normal));
+    looker->counters = tracer->counters;
+    Lanes arrives = follow(&mirrored);
+    tracer->counters = looker->counters;
+    tracer->out_of_memory |= looker->out_of_memory;
+    return arrives;
+}
+
+/* A thin pane, or a hole in a sheet; false: it is none. */
 static bool cross_pane(Path *look, Event *event)
 {
     Tracer *tracer = look->tracer;
@@ -83,21 +128,29 @@ static bool cross_pane(Path *look, Event *event)
     return true;
 }
 
-/* Follows it to where it leaves the scene; false: it does not. */
-static bool follow(Path *look)
+/* What arrives of light from infinity, by this look and all that it parts into. */
+static Lanes follow(Look *look)
 {
-    for (uint32_t faces = 0;; look->bounce++) {
+    Path *path = &look->path;
+    Lanes arrives = lanes_all(0);
+    for (; !lanes_zero(path->beta); path->bounce++) {
         Event event;
-        path_next_event(look, &event);
-        if (event.kind == EVENT_LOST) look->tracer->out_of_memory = true;
-        if (event.kind == EVENT_ESCAPE) return true;
-        if (event.kind != EVENT_BOUNDARY && event.kind != EVENT_OPAQUE) return false;
-        bool face = event.kind == EVENT_BOUNDARY;
-        faces += face;
-        if (faces > SLAB_FACES || !(face ? cross_face(look, &event) : cross_pane(look, &event)) ||
-            lanes_zero(look->beta))
-            return false;
+        Face face;
+        path_next_event(path, &event);
+        if (event.kind == EVENT_LOST) path->tracer->out_of_memory = true;
+        if (event.kind == EVENT_ESCAPE)
+            return is_same_direction(path->ray.direction, look->wanted) ? lanes_add(arrives, path->beta) : arrives;
+        if (event.kind == EVENT_OPAQUE) {
+            if (!cross_pane(path, &event)) break;
+            continue;
+        }
+        if (event.kind != EVENT_BOUNDARY || ++look->n_faces > SLAB_FACES || !meet_face(path, &event, &face)) break;
+        arrives = lanes_add(arrives, follow_mirrored(look, &event, &face));
+        if (!face.passes) break;
+        path->beta = lanes_mul(path->beta, lanes_rest(face.reflectance));
+        path_leave(path, &event, &face.place, true, face.refracted);
     }
+    return arrives;
 }
 
 bool slab_shadow(Path *path, const Ray *ray, Lanes *transmittance)
@@ -109,19 +162,18 @@ bool slab_shadow(Path *path, const Ray *ray, Lanes *transmittance)
         tracer->out_of_memory = true;
         return false;
     }
-    Path look = *path;
-    look.tracer = looker;
-    look.ray = *ray;
-    look.ray.t_max = HUGE_VAL;
-    look.straight = true;
-    look.looks = false;
-    look.fork = NULL;
-    look.bounce += FIRST_BOUNCE;
-    look.beta = look.ratio = lanes_all(1);
+    Look look = {.path = *path, .wanted = ray->direction};
+    look.path.tracer = looker;
+    look.path.ray = *ray;
+    look.path.ray.t_max = HUGE_VAL;
+    look.path.straight = true;
+    look.path.looks = false;
+    look.path.fork = NULL;
+    look.path.bounce += FIRST_BOUNCE;
+    look.path.beta = look.path.ratio = lanes_all(1);
     looker->counters = tracer->counters;
-    bool leaves = follow(&look) && is_same_direction(look.ray.direction, ray->direction);
+    *transmittance = follow(&look);
     tracer->counters = looker->counters;
     tracer->out_of_memory |= looker->out_of_memory;
-    *transmittance = look.beta;
-    return leaves;
+    return !lanes_zero(*transmittance);
 }
