@@ -645,6 +645,18 @@ static void sort_found(const Query *query, HitList *hits)
     hits->n = n;
 }
 
+bool hit_list_copy(HitList *list, const Hit *hits, size_t n)
+{
+    list->n = 0;
+    for (size_t i = 0; i < n; i++) {
+        Hit *place = rtc_hit_place(list);
+        if (!place) return false;
+        *place = hits[i];
+        list->n++;
+    }
+    return true;
+}
+
 bool rtc_add_hit(HitList *hits, const Hit *more)
 {
     Hit *place = rtc_hit_place(hits);

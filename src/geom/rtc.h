@@ -147,6 +147,8 @@ typedef struct HitList {
     bool beside;
 } HitList;
 void hit_list_clear(HitList *list); /* frees */
+/* False when memory ends. */
+bool hit_list_copy(HitList *list, const Hit *hits, size_t n);
 
 /* All surfaces that stand at the nearest distance, in increasing t: the first, and every further one that
  * is nearer to the one before it than the rounding of coordinates can tell (along the normal; see
@@ -164,7 +166,7 @@ static inline void rtc_pass_on(Ray *ray, const Hit *hits, size_t n)
 }
 
 /* The objects within rounding of whose triangles a ray starts, or so near to whose pieces that double does not tell, other than
- * those that it starts on; of these hits no more than the object is set, and whether the ray is inside of it from its start on:
+ * those that it starts on clear of all edges; of these hits no more than the object is set, and whether the ray is inside of it from its start on:
  * as the first of the object's surfaces says that it comes to (along: a list to find them in). The ray before, as Embree traced
  * it, may have missed a sliver of such an object which the exact one comes into just there; or it has turned in a corner so
  * narrow that this start is on the wrong side of the piece which it turned at before. */

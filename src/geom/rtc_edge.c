@@ -333,11 +333,19 @@ static Hit *hit_of_object(const HitList *list, uint32_t object)
     return NULL;
 }
 
+/* Whether a ray starts on an object, clear of its edges: at one of them that may be the half of it, as far as Embree has told. */
+static bool starts_clearly_on(const Ray *ray, uint32_t object)
+{
+    for (size_t i = 0; i < ray->n_left; i++)
+        if (ray->left[i].object == object && ray->left[i].clear) return true;
+    return false;
+}
+
 static bool find_beside(struct RTCPointQueryFunctionArguments *arguments)
 {
     const Beside *beside = arguments->userPtr;
     Asked asked = triangles_asked(beside->scene, arguments);
-    if (rtc_starts_on(beside->ray, asked.object) || hit_of_object(beside->found, asked.object)) return false;
+    if (starts_clearly_on(beside->ray, asked.object) || hit_of_object(beside->found, asked.object)) return false;
     for (uint32_t i = asked.first; i < asked.end; i++) {
         Vec3 corner[3];
         rtc_triangle(beside->scene, asked.object, i, beside->ray->time, corner);

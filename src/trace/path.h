@@ -87,7 +87,8 @@ typedef struct Reflected {
 typedef struct Tracer {
     _Alignas(MEMORY_APART) const World *world;
     HitList hits, shadow_hits;
-    HitList left;   /* the surfaces that the path's ray starts on */
+    HitList left;   /* the surfaces that the path's ray starts on; */
+    HitList looked; /* and those of a ray that is sent out while the path waits at several */
     HitList beside; /* objects at whose edges it starts; see rtc_beside */
     HitList along;  /* for finding them, and for what was missed by a straight ray */
     HitList passed; /* silent crossings in front of those hits, found in the same search */

@@ -80,6 +80,17 @@ ATTR_COLD static Vec3f keep_to_side(const Tracer *tracer, const Event *event, bo
     return vec3f_normalize(reflect_direction(direction, start->normal));
 }
 
+/* Which of the surfaces a ray starts on is up to the side that it goes to: they are left whole for the path, which may go to the other. */
+void path_start_ray_of_several(const Path *path, const Event *event, bool through, Vec3f direction, Ray *next)
+{
+    Tracer *tracer = path->tracer;
+    bool copied = hit_list_copy(&tracer->looked, tracer->hits.items, event->n_cluster);
+    size_t n = copied ? event->n_cluster : 1;
+    if (!copied) tracer->out_of_memory = true;
+    rtc_leave(tracer->world->compiled->rtc, &path->ray, copied ? tracer->looked.items : tracer->hits.items, &n, through,
+              direction, next);
+}
+
 void path_leave(Path *path, Event *event, const SurfacePlace *place, bool through, Vec3f direction)
 {
     Tracer *tracer = path->tracer;
@@ -90,10 +101,10 @@ void path_leave(Path *path, Event *event, const SurfacePlace *place, bool throug
     if (UNLIKELY(event->n_cluster > 1)) direction = keep_to_side(tracer, event, through, direction);
     HitList reached = tracer->hits;
     Ray *ray = &path->ray;
+    const bool several = event->n_cluster > 1;
     rtc_leave(tracer->world->compiled->rtc, ray, reached.items, &event->n_cluster, through, direction, ray);
     tracer->hits = tracer->left; /* the ray refers to what it has left until its end */
     tracer->left = reached;
-    bool several = event->n_cluster > 1;
     if (several && !path_cross_towards(tracer, &path->ray, &tracer->next)) tracer->out_of_memory = true;
     if (several)
         nest_list_swap(&tracer->list, &tracer->next);

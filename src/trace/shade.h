@@ -39,19 +39,23 @@ bool path_sees(Path *path, Ray *ray, Lanes *transmittance, uint32_t *medium_at_l
 bool path_light_arrives(Path *path, const LightSample *light, Ray *ray, Lanes *basic);
 /* Adds that, scattered by the factor, weighted against finding the light by a direction of density pdf_w, or by the guide. */
 void path_add_direct_light(Path *path, const LightSample *light, Ray *ray, Lanes scattered, float pdf_w);
-/* A ray from the place of an event's surfaces, through them (not where the place is apart) or back; next may be the path's own. Not
- * for the place of a boundary of several hulls: see path_cross_towards. */
-static inline void path_start_ray(const Path *path, Event *event, const SurfacePlace *place, bool through,
+/* path_start_ray where an event has several surfaces. */
+void path_start_ray_of_several(const Path *path, const Event *event, bool through, Vec3f direction, Ray *next);
+/* A ray from the place of an event's surfaces, through them (not where the place is apart) or back, while the path waits there; at most
+ * one at a time. Not for the place of a boundary of several hulls: see path_cross_towards. */
+static inline void path_start_ray(const Path *path, const Event *event, const SurfacePlace *place, bool through,
                                   Vec3f direction, Ray *next)
 {
+    size_t one = 1;
     Tracer *tracer = path->tracer;
     if (UNLIKELY(place->apart)) {
         double time = path->ray.time;
         ray_begin(next, place->position, direction);
         next->time = time;
+    } else if (UNLIKELY(event->n_cluster > 1)) {
+        path_start_ray_of_several(path, event, through, direction, next);
     } else {
-        rtc_leave(tracer->world->compiled->rtc, &path->ray, tracer->hits.items, &event->n_cluster, through, direction,
-                  next);
+        rtc_leave(tracer->world->compiled->rtc, &path->ray, tracer->hits.items, &one, through, direction, next);
     }
 }
 /* Sends the path on from the surfaces that it has come to: through them, or back. */

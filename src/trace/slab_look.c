@@ -93,10 +93,8 @@ static Lanes follow_mirrored(const Look *look, const Event *event, const Face *f
     Tracer *tracer = path->tracer, *looker = tracer_for_looks(tracer);
     Look mirrored = *look;
     Event there = *event;
-    bool good = looker && nest_list_copy(&looker->list, &tracer->list) == STATUS_OK;
-    if (good) looker->hits.n = 0;
-    for (size_t i = 0; good && i < event->n_cluster; i++) good = rtc_add_hit(&looker->hits, &tracer->hits.items[i]);
-    if (!good) {
+    if (!looker || nest_list_copy(&looker->list, &tracer->list) != STATUS_OK ||
+        !hit_list_copy(&looker->hits, tracer->hits.items, event->n_cluster)) {
         tracer->out_of_memory = true;
         return lanes_all(0);
     }
