@@ -90,8 +90,9 @@ struct NodeExpr {
     const NodeType *type;     /* resolved: the built-in type, NULL when only a prototype or macro can be meant */
     const NodeType *declares; /* resolved: what it is of, where that is nowhere by itself, as a medium; else NULL */
     bool has_prototype;
-    Slot prototype; /* resolved: the slot that may hold a prototype */
-    Def *def;       /* resolved: the macro that is used like a node */
+    Slot prototype;      /* resolved: the slot that may hold a prototype */
+    Span prototype_span; /* and where its name is declared */
+    Def *def;            /* resolved: the macro that is used like a node */
     uint32_t def_hops;
     Slot name_slot;   /* resolved: of the declared name */
     bool has_unknown; /* a property has been reported as unknown: it may be one that is missing */

@@ -402,8 +402,8 @@ static const PropType *prop_for_node(const NodeType *type, const NodeType *node)
     return NULL;
 }
 
-/* Puts a finished node where the statement stands. hidden: the type of node whose name a prototype has; or NULL. */
-static void settle(Evaluator *evaluator, EvalNode *node, const NodeType *hidden)
+/* Puts a finished node where the statement stands. expr: that it was made by; NULL: none of the scene's. */
+static void settle(Evaluator *evaluator, EvalNode *node, const NodeExpr *expr)
 {
     unsigned flags = node->type->flags;
     if (flags & NODE_SINGLE) {
@@ -416,8 +416,13 @@ static void settle(Evaluator *evaluator, EvalNode *node, const NodeType *hidden)
     } else if (!node->name) {
         const NodeType *outer = evaluator->target ? evaluator->target->type : NULL;
         const PropType *prop = outer ? prop_for_node(outer, node->type) : NULL;
+        const NodeType *hidden = expr ? hidden_node(evaluator, expr) : NULL;
         Diagnostic *report = eval_report(evaluator, D_MISSING_NAME, node->span, "%s without a name does nothing",
                                          with_article(evaluator->arena, node->type->name));
+        if (hidden)
+            diag_note(evaluator->diag, report, expr->prototype_span,
+                      "from here on '%s' is the name of %s and not of the node", hidden->name,
+                      with_article(evaluator->arena, node->type->name));
         if (prop)
             diag_hint(evaluator->diag, report, "write: %s = %s { ... }", prop->name, node->type->name);
         else if (hidden)
@@ -512,7 +517,7 @@ void eval_node_stmt(Evaluator *evaluator, Stmt *stmt)
         Value value = {.kind = node ? VALUE_NODE : VALUE_POISON, .as.node = node};
         *eval_slot(evaluator, expr->name_slot) = value;
     }
-    if (node) settle(evaluator, node, hidden_node(evaluator, expr));
+    if (node) settle(evaluator, node, expr);
 }
 
 size_t eval_word_length(const char *name)

@@ -712,6 +712,7 @@ static void find_node(Resolver *resolver, NodeExpr *node)
     } else if (binding && binding->kind == BINDING_SLOT) {
         node->has_prototype = true;
         node->prototype = slot_of(resolver, binding);
+        node->prototype_span = binding->has_span ? binding->span : node->path.span;
         node->declares = binding->declares;
     } else if (binding && binding->kind == BINDING_DEF) {
         node->def = binding->def;
