@@ -104,18 +104,18 @@ static double size_of_scene_m(const RenderRun *run)
     return box3_is_empty(all) ? 0 : vec3_length(vec3_sub(all.max, all.min)) * scene->unit_m;
 }
 
-/* Lengths that were meant in millimetres and are metres, as nobody said: a lamp of a table then lights a stadium. */
-static void remark_unit(const RenderRun *run)
+/* Lengths that were meant in millimetres and are metres, as nobody said, or said by habit: a lamp of a table then lights a stadium. */
+static void remark_unit(const RenderRun *run, bool lost)
 {
-    const double large_m = 10;
     const Scene *scene = run->input.scene;
-    if (scene->has_unit || !(scene->n_lights > 0)) return;
+    const double large_m = scene->has_unit ? 50 : 10;
+    if (scene->unit_m != 1 || (scene->has_unit && !lost) || !(scene->n_lights > 0)) return;
     double size_m = size_of_scene_m(run);
     if (size_m >= large_m)
         talk_remark(run->talk,
-                    "the picture is nearly black, and the first line of its scene has no unit: lengths are metres "
-                    "then, and it is %.3g m "
-                    "across, which a lamp hardly lights; if millimetres are meant, write: meniscus 1.0 unit mm",
+                    "the picture is nearly black, and the first line of its scene %s, and it is %.3g m across, which a "
+                    "lamp hardly lights; if millimetres are meant, write: meniscus 1.0 unit mm",
+                    scene->has_unit ? "has 'unit m': lengths are metres" : "has no unit: lengths are metres then",
                     size_m);
 }
 
@@ -127,6 +127,14 @@ static int clipped_stops(const Brightness *brightness, const char **part)
     int half = ilogb(band_at(brightness, 0.5)), third = ilogb(band_at(brightness, 2.0 / 3));
     *part = half >= HALF ? "half" : "a third";
     return half >= HALF ? half : third >= THIRD ? third : 0;
+}
+
+/* Nothing of it is to be seen as it is: nearly all is darker than the first step of a display, or brighter than white. That is said of an
+ * EXR file alone, too. */
+static bool is_lost(const Brightness *brightness, double nearly_all)
+{
+    const double first_step = 0.5 / 255 / 12.92;
+    return band_at(brightness, nearly_all) < first_step || band_at(brightness, 1 - nearly_all) >= 1;
 }
 
 /* The commonest reason of white is a lamp of so many watts, as in a room, above a table of centimetres; of black one of an
@@ -143,16 +151,17 @@ static void remark_brightness(const RenderRun *run)
     const char *part;
     int clipped = clipped_stops(&brightness, &part);
     bool is_dark = run->stats.samples && brightness.mean < dark && band_at(&brightness, nearly_all) < black;
-    if (is_displayed(run) && clipped > 0) {
+    bool lost = is_lost(&brightness, nearly_all), speaks = lost || is_displayed(run);
+    if (speaks && clipped > 0) {
         snprintf(what, sizeof what, "%s of the picture is %d stop%s or more above white", part, clipped,
                  plural((unsigned)clipped));
         remark_exposure(run, what, -clipped - 1);
-    } else if (is_displayed(run) && is_dark) {
+    } else if (speaks && is_dark) {
         snprintf(what, sizeof what, "the picture is nearly black: its mean luminance is %.2g, where white is 1",
                  brightness.mean);
         remark_exposure(run, what, (int)lrint(log2(grey / brightness.mean)));
     }
-    if (is_dark) remark_unit(run);
+    if (is_dark) remark_unit(run, lost);
 }
 
 static bool is_black(const Image *image)

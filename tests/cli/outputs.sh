@@ -458,7 +458,7 @@ exits 2
 says err "spread"
 end
 
-begin "a picture that is white all over: a remark, with what to do; none for EXR alone, and none where it is not"
+begin "a picture that is white all over: a remark, with what to do; for EXR alone where nothing of it is to be seen, and none where it is not"
 small_scene
 sed -e 's/environment { color = 1 }/environment { color = 1000 }/' small.mns > white.mns
 run render white.mns -o white.png
@@ -472,7 +472,14 @@ says_not err "above white"
 run render white.mns -o white.png -q
 says_not err "above white"
 run render white.mns -o white.exr
+says err "half of the picture is 8 stops or more above white: give it 512 times less light, or: meniscus view white.exr -o FILE.png --exposure -9"
+run render white.mns -o white.exr --exposure -9
 says_not err "above white"
+{ cat white.mns; echo 'box { from = <-9, 0, -9>  to = <0, 19, -8>  surface = surface { albedo = 0 } }'; } > half.mns
+run render half.mns -o half.exr
+says_not err "above white"
+run render half.mns -o half.exr -o half.png
+says err "above white"
 run render small.mns -o small.png
 says_not err "above white"
 end
@@ -493,7 +500,7 @@ run render cut.mns -o cut.png -q
 says_not err "is opaque"
 end
 
-begin "a picture that is nearly black: a remark, with what to do; none for EXR alone, nor where a little of it is bright, nor with -q"
+begin "a picture that is nearly black: a remark, with what to do; for EXR alone where nothing of it is to be seen; none where a little of it is bright, nor with -q"
 cat > dim.mns <<'SCENE'
 meniscus 1.0 unit cm
 camera { from = <0, 20, 60>  to = <0, 0, 0> }
@@ -513,6 +520,11 @@ run view dim.exr -o bright.png --exposure "$stops"
 exits 0
 run render dim.mns -o dim.exr
 says_not err "nearly black"
+sed -e 's/intensity = .1/intensity = .0001/' dim.mns > dimmest.mns
+run render dimmest.mns -o dimmest.exr
+exits 0
+stops=$(sed -n 's/.*the picture is nearly black: .*or: meniscus view dimmest\.exr -o FILE\.png --exposure //p' err)
+[ "${stops:-0}" -ge 15 ] || flunk "$stops stops"
 run render dim.mns -o dim.exr --preview shown.png
 says err "nearly black"
 run render dim.mns -o dim.png -q
@@ -546,6 +558,9 @@ for unit in m mm; do
     run render "$unit.mns" -o "$unit.exr"
     says_not err 'has no unit'
 done
+sed -e '1s/$/ unit m/' -e 's/<0, 30, 30>  power = 100/<0, 300, 300>  power = 10/' metres.mns > stated.mns
+run render stated.mns -o stated.exr
+matches err "has 'unit m': lengths are metres, and it is 6[0-9.]+ m across, .* write: meniscus 1.0 unit mm\$"
 sed 's/power = 100/power = 1000000/' metres.mns > bright.mns
 run render bright.mns -o bright.exr
 says_not err 'has no unit'
