@@ -395,6 +395,47 @@ static void remark_odd_size(Remarks *r)
     free(sizes);
 }
 
+static bool lies_within(const Box3 *inner, const Box3 *outer, double slack)
+{
+    Vec3 by = vec3(slack, slack, slack);
+    Box3 wide = {vec3_sub(outer->min, by), vec3_add(outer->max, by)};
+    return box3_holds_point(wide, inner->min) && box3_holds_point(wide, inner->max);
+}
+
+/* Glass with a liquid in it, larger than any aquarium: icebergs and seas are not within each other. The largest one. */
+static void remark_large_vessel(Remarks *r)
+{
+    const double large_m = 30;
+    const CompiledScene *compiled = r->compiled;
+    uint32_t largest = SCENE_NONE;
+    for (size_t i = 0; i < compiled->n_pairs; i++) {
+        const HullPair *pair = &compiled->pairs[i];
+        uint32_t a = compiled->hull_of_object[pair->a], b = compiled->hull_of_object[pair->b];
+        bool first = compiled->hulls[a].state == NEST_SOLID;
+        uint32_t vessel = first ? pair->a : pair->b, liquid = first ? pair->b : pair->a;
+        const NestHull *held = &compiled->hulls[first ? b : a];
+        double size = size_of(&r->bounds[vessel]);
+        if (compiled->hulls[first ? a : b].state != NEST_SOLID || held->state != NEST_LIQUID) continue;
+        if (!isfinite(held->volume) || !isfinite(size) || size * r->scene->unit_m < large_m) continue;
+        if (!lies_within(&r->bounds[liquid], &r->bounds[vessel], 0.02 * size)) continue;
+        if (largest == SCENE_NONE || size > size_of(&r->bounds[largest])) largest = vessel;
+    }
+    if (largest == SCENE_NONE) return;
+    const SceneObject *object = &r->scene->objects[largest];
+    Buf size = {0};
+    report_add_length(&size, r->scene, size_of(&r->bounds[largest]));
+    Diagnostic *report = diag_report(r->diag, D_ODD_SIZE, object->span, "%s, which holds a liquid, is %s across",
+                                     object->name, buf_text(&size));
+    if (r->scene->unit_m == 1)
+        diag_hint(r->diag, report,
+                  "lengths are metres, as the scene's first line has %s; if millimetres are meant, "
+                  "write there: unit mm",
+                  r->scene->has_unit ? "'unit m'" : "no unit");
+    else
+        diag_hint(r->diag, report, "is the unit in the scene's first line the one that is meant?");
+    buf_clear(&size);
+}
+
 static bool meets_anything(const Remarks *r, uint32_t object)
 {
     for (size_t i = 0; i < r->compiled->n_pairs; i++)
@@ -686,6 +727,7 @@ void report_remarks(const CompiledScene *compiled, Diag *diag)
         report_enclosed(compiled, diag);
         remark_behind_ground(&r);
         remark_odd_size(&r);
+        remark_large_vessel(&r);
         remark_still_animation(&r);
         report_coarse_places(compiled, diag);
         report_contacts(compiled, diag);
