@@ -103,19 +103,39 @@ static Status read_size(const OptionRow *row, const char *spelled, const char *t
     return STATUS_OK;
 }
 
+/* Pixels, or percent of a side. Returns how many bytes were read, 0 for none. */
+static size_t read_place(const char *text, uint32_t *whole, double *part)
+{
+    *part = -1;
+    size_t n = read_whole(text, whole);
+    if (n && text[n] != '%' && text[n] != '.') return n;
+    n = num_parse(text, strlen(text), part);
+    *part /= 100;
+    return n && text[n] == '%' && *part >= 0 && *part <= 1 ? n + 1 : 0;
+}
+
+/* What is in pixels and in percent is compared when the size of the picture is known. */
 static Status read_crop(const char *spelled, const char *text, OptionValue *value, Error *error)
 {
     const char *p = text;
     for (int i = 0; i < 4; i++) {
-        size_t n = read_whole(p, &value->whole[i]);
+        size_t n = read_place(p, &value->whole[i], &value->parts[i]);
         if (n == 0 || p[n] != (i < 3 ? ',' : 0))
-            return fail(error, STATUS_USAGE, "option '%s': '%s' is not four whole numbers, such as 10,20,110,120",
-                        spelled, text);
+            return fail(
+                error, STATUS_USAGE,
+                "option '%s': '%s' is not four whole numbers, such as 10,20,110,120, or percent up to 100, such "
+                "as 30%%,10%%,60%%,50%%",
+                spelled, text);
         p += n + 1;
     }
-    if (value->whole[0] >= value->whole[2] || value->whole[1] >= value->whole[3])
-        return fail(error, STATUS_USAGE, "option '%s': %s holds no pixel: X0 must be less than X1, and Y0 less than Y1",
-                    spelled, text);
+    for (int i = 0; i < 2; i++) {
+        bool alike = (value->parts[i] < 0) == (value->parts[i + 2] < 0);
+        double first = value->parts[i] < 0 ? value->whole[i] : value->parts[i],
+               end = value->parts[i] < 0 ? value->whole[i + 2] : value->parts[i + 2];
+        if (alike && first >= end)
+            return fail(error, STATUS_USAGE,
+                        "option '%s': %s holds no pixel: X0 must be less than X1, and Y0 less than Y1", spelled, text);
+    }
     return STATUS_OK;
 }
 

@@ -40,7 +40,7 @@ typedef enum OptionKind {
     KIND_FRACTION, /* 0.5 or 50% */
     KIND_DURATION, /* in seconds */
     KIND_SIZE,     /* WxH */
-    KIND_CROP,     /* X0,Y0,X1,Y1 */
+    KIND_CROP,     /* X0,Y0,X1,Y1, each in pixels or percent */
     KIND_PIXEL,    /* X,Y */
     KIND_FRAMES,   /* N, A..B, A..B/STEP: whole holds first, last, step; or all: step is 0 */
     KIND_SHARD,    /* I/N */
@@ -81,6 +81,7 @@ typedef struct OptionValue {
     const char *text;
     double number;
     uint32_t whole[4];
+    double parts[4];    /* KIND_CROP: of the picture's sides, where percent are given; else below 0, and whole holds */
     const char **items; /* KIND_LIST, KIND_FOLDERS, KIND_DEFINES; owned, the texts are the command line's */
     size_t n_items;
 } OptionValue;

@@ -170,6 +170,14 @@ exits 0
 says err "(20 x 15,"
 run compare whole.exr part.exr
 exits 0
+for crop in 25%,33.4%,50%,66.6% 5,33.4%,10,10; do
+    run render small.mns -o percent.exr --size 20x15 --crop $crop
+    exits 0
+    cmp -s part.exr percent.exr || flunk "$crop is another part"
+done
+run render small.mns -o part.exr --size 20x15 --crop 0%,0%,100%,100%
+run render small.mns -o whole.exr --size 20x15
+cmp -s part.exr whole.exr || flunk "100% is not all"
 end
 
 # cannot TEXT OUTPUT...: status 5 before anything is rendered

@@ -63,7 +63,12 @@ refuses "'640' is not a width and a height" render small.mns --size 640
 refuses "'10x' is not a time" render small.mns -t 10x
 refuses "'0s' is not a time" render small.mns -t 0s
 refuses "is not four whole numbers" render small.mns --crop 1,2,3
+refuses "or percent up to 100" render small.mns --crop 10%,0,101%,8
+refuses "or percent up to 100" render small.mns --crop 0.3,0.1,0.6,0.5
+refuses "or percent up to 100" render small.mns --crop -5%,0%,50%,50%
 refuses "holds no pixel" render small.mns --crop 4,0,4,8
+refuses "holds no pixel" render small.mns --crop 50%,0,50%,8
+refuses "8,0,8,8 of the picture of 16 x 16 holds no pixel" render small.mns --crop 8,0,50%,50%
 refuses "16,17 is outside of the picture of 16 x 16" render small.mns --crop 0,0,16,17
 refuses "'level' is not NAME=VALUE" render small.mns -D level
 refuses "did you mean 'automatic'?" render small.mns --nesting automtic
