@@ -82,6 +82,9 @@ void report_enclosed(const CompiledScene *compiled, Diag *diag);
 /* Remarks on clear solids that touch opaque objects. */
 void report_contacts(const CompiledScene *compiled, Diag *diag);
 
+/* Remarks on thin opaque sheets, as labels, that lie in clear solids just below their surface. */
+void report_sunken(const CompiledScene *compiled, Diag *diag);
+
 /* Remarks on portals that glass closes. */
 void report_portals(const CompiledScene *compiled, Diag *diag);
 
