@@ -19,14 +19,21 @@ static bool bends(const World *world, uint32_t medium)
     return false;
 }
 
-static bool mirrors(const World *world, const SceneObject *object)
+/* Whether a surface, or a part of what it is a mix of, sends on light as a mirror does. */
+static bool surface_mirrors(const Scene *scene, uint32_t number)
 {
     const float smooth = 0.25f;
-    if (object->surface == SCENE_NONE || object->light != SCENE_NONE) return false;
-    const SceneSurface *surface = &world->scene->surfaces[object->surface];
+    const SceneSurface *surface = &scene->surfaces[number];
     const BsdfSpec *spec = &surface->spec;
+    if (surface->mixed) return surface_mirrors(scene, surface->mix[0]) || surface_mirrors(scene, surface->mix[1]);
     return surface->finished && (spec->base_metalness > 0 || spec->transmission_weight > 0) &&
            spec->specular_roughness <= smooth;
+}
+
+static bool mirrors(const World *world, const SceneObject *object)
+{
+    return object->surface != SCENE_NONE && object->light == SCENE_NONE &&
+           surface_mirrors(world->scene, object->surface);
 }
 
 /* Whether an object is clear, bends light and has no end. */

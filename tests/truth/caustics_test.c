@@ -100,6 +100,13 @@ static const struct {
            "sphere { center = <0, 40, 0>  radius = 6  surface = surface { albedo = 0  emission = 1  radiance = 20 } }\n"
            "camera { from = <60, 80, 50>  to = <30, 10, 20>  fov = .001deg }\n",
      2500, 10000},
+    {"a floor before a foil that is matte in part",
+     MEDIA "ground { surface = surface { albedo = .5 } } environment { color = .05 }\n"
+           "box { from = <-20, 0, -1>  to = <20, 30, 0>  surface = surface { weight = .2\n"
+           "  mix = [surface { metal = gold  roughness = 0 }, surface { albedo = .2 }] } }\n"
+           "light { shape = \"sphere\"  from = <0, 60, 80>  radius = 9  radiance = 50 }\n"
+           "camera { from = <60, 150, 200>  to = <0, 0, 27>  fov = .001deg }\n",
+     400, 4000},
     {"a table of rough metal behind a glass",
      MEDIA "ground { surface = surface { metal = gold  roughness = .5 } } environment { color = .05 }\n"
            "cylinder { interior = glass  from = <0, .5, 0>  to = <0, 40, 0>  radius = 12 }\n"
