@@ -52,9 +52,9 @@ typedef struct PathProbing {
 /* A way through bodies with parallel faces: see slab_look.h. */
 #define SLAB_NOWHERE UINT32_MAX
 typedef struct SlabWay {
-    uint32_t bounce;  /* the path is on it as long as this is its own; SLAB_NOWHERE: it is not */
+    uint32_t bounce;              /* the path is on it as long as this is its own; SLAB_NOWHERE: it is not */
     uint32_t n_faces, n_mirrored; /* that it has met, and by which it was mirrored */
-    Vec3f direction;  /* in front of it; and of the path, there: */
+    Vec3f direction;              /* in front of it; and of the path, there: */
     float scatter_pdf, rarity;
     bool bent;
 } SlabWay;
