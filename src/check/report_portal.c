@@ -84,10 +84,10 @@ void report_portals(const CompiledScene *compiled, Diag *diag)
                         "then found by chance alone",
                         light->name, object->name);
         diag_note(diag, report, object->span, "%s is here", object->name);
-        diag_hint(
-            diag, report,
-            "make its faces flat and parallel; or in place of its interior, write: surface = surface { thin = true  "
-            "ior = 1.52  transmission = 1 }; a box of that is two panes, as double glazing is");
+        diag_hint(diag, report,
+                  "make its faces flat and parallel, smooth and still; or in place of its interior, write: surface = "
+                  "surface { thin = true  "
+                  "ior = 1.52  transmission = 1 }; a box of that is two panes, as double glazing is");
     }
     slabs_clear(&finder.slabs);
     if (n > REPORT_MOST)

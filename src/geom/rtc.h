@@ -166,10 +166,10 @@ static inline void rtc_pass_on(Ray *ray, const Hit *hits, size_t n)
 }
 
 /* The objects within rounding of whose triangles a ray starts, or so near to whose pieces that double does not tell, other than
- * those that it starts on clear of all edges; of these hits no more than the object is set, and whether the ray is inside of it from its start on:
- * as the first of the object's surfaces says that it comes to (along: a list to find them in). The ray before, as Embree traced
- * it, may have missed a sliver of such an object which the exact one comes into just there; or it has turned in a corner so
- * narrow that this start is on the wrong side of the piece which it turned at before. */
+ * those that it starts on clear of all edges; of these hits no more than the object is set, and whether the ray is inside of it
+ * from its start on: as the first of the object's surfaces says that it comes to (along: a list to find them in). The ray before,
+ * as Embree traced it, may have missed a sliver of such an object which the exact one comes into just there; or it has turned in a
+ * corner so narrow that this start is on the wrong side of the piece which it turned at before. */
 size_t rtc_beside(const RtcScene *scene, const Ray *ray, HitList *beside, HitList *along);
 
 /* Where hits contradict what is known: the first surface before `end` by which the ray enters (leaves) an object, as all of its

@@ -80,13 +80,13 @@ static void add_surface(Faces *faces)
         add_solid(faces, faces->shape->solid);
 }
 
-/* Whether most of a body's surface are parallel faces; of rounded edges and the rim of a disc there is less. *slab: but for bounds. */
-static bool is_slab(const SceneShape *shape, const Affine *map, Slab *slab)
+/* Whether most of a body's surface are parallel faces; of rounded edges and the rim of a disc there is less. */
+static bool is_slab(const SceneShape *shape, const Affine *map, SlabAxes *slab)
 {
     const double most = 0.5, least = 0.02; /* of all together, of one axis */
     Faces faces = {.shape = shape, .map = map};
     double paired = 0;
-    slab->n_axes = 0;
+    slab->n = 0;
     add_surface(&faces);
     while (faces.n < SLAB_AXES && vec3_length(faces.largest.area) > 0) {
         uint32_t i = faces.n++;
@@ -95,7 +95,7 @@ static bool is_slab(const SceneShape *shape, const Affine *map, Slab *slab)
         double pair = 2 * fmin(faces.towards[i], faces.against[i]);
         if (pair < least * faces.area) break;
         paired += pair;
-        slab->axes[slab->n_axes++] = vec3f_from(faces.axes[i]);
+        slab->axes[slab->n++] = vec3f_from(faces.axes[i]);
     }
     return paired > most * faces.area;
 }
@@ -111,26 +111,30 @@ static bool may_be_slab(const SceneShape *shape)
     return has_flat;
 }
 
-/* Shapes that many objects share are looked at once, where maps change no angle. */
+/* Shapes that many objects share are looked at once. */
 typedef struct Finder {
     const CompiledScene *compiled;
-    Slab *of_shape;    /* in its own frame; n_axes 0: it is none */
-    bool *shape_known; /* of each shape */
+    SlabAxes *of_shape; /* in its own frame; n 0: it is none */
+    bool *shape_known;  /* of each shape */
 } Finder;
 
-static bool find_slab(Finder *finder, const SceneObject *object, Slab *slab)
+/* A map keeps faces parallel, but where it stretches unevenly others are most of the surface: then shapes of few parts are looked at
+ * as they are in the world. */
+static bool find_slab(Finder *finder, const SceneObject *object, SlabAxes *slab)
 {
+    enum { FEW = 256 };
     const SceneShape *shape = &finder->compiled->scene->shapes[object->shape];
     const Affine own = affine_identity();
-    Slab *known = &finder->of_shape[object->shape];
+    SlabAxes *known = &finder->of_shape[object->shape];
     if (!may_be_slab(shape)) return false;
-    if (!(affine_even_scale(&object->to_world, 1e-9) > 0)) return is_slab(shape, &object->to_world, slab);
-    if (!finder->shape_known[object->shape] && !is_slab(shape, &own, known)) known->n_axes = 0;
+    bool few = !shape->mesh || shape->mesh->n_triangles <= FEW;
+    if (few && !(affine_even_scale(&object->to_world, 1e-9) > 0)) return is_slab(shape, &object->to_world, slab);
+    if (!finder->shape_known[object->shape] && !is_slab(shape, &own, known)) known->n = 0;
     finder->shape_known[object->shape] = true;
-    slab->n_axes = known->n_axes;
-    for (uint32_t i = 0; i < known->n_axes; i++)
+    slab->n = known->n;
+    for (uint32_t i = 0; i < known->n; i++)
         slab->axes[i] = vec3f_from(vec3_normalize(affine_area(&object->to_world, vec3_from_f(known->axes[i]))));
-    return slab->n_axes > 0;
+    return slab->n > 0;
 }
 
 /* Whether light goes through an object's surface as through smooth glass wherever it comes to it, and always at the same place. */
@@ -152,24 +156,42 @@ static bool bends(const CompiledScene *compiled, uint32_t object)
     return compiled_indices_differ(compiled->scene, medium, NEST_WORLD_MEDIUM);
 }
 
-/* False when memory ends. */
+/* Puts one more into the set; false when memory ends. */
+static bool add_slab(Slabs *slabs, size_t *capacity, uint32_t object, const SlabAxes *slab)
+{
+    if (!array_reserve(&slabs->items, capacity, slabs->n + 1U, sizeof *slabs->items)) return false;
+    slabs->items[slabs->n] = *slab;
+    slabs->of_object[object] = slabs->n++;
+    return true;
+}
+
+static bool is_within_one(const Slabs *slabs, Box3 box)
+{
+    for (uint32_t i = 0; i < slabs->n_boxes; i++)
+        if (box3_holds(slabs->boxes[i], box)) return true;
+    return false;
+}
+
+/* First those that bend light, and then what is within them. False when memory ends. */
 static bool find_all(Finder *finder, Slabs *slabs)
 {
     const Scene *scene = finder->compiled->scene;
     size_t capacity = 0, boxes_capacity = 0;
-    for (uint32_t i = 0; i < scene->n_objects; i++) {
-        Slab slab;
-        slabs->of_object[i] = SCENE_NONE;
-        if (!is_clear(finder->compiled, i) || !find_slab(finder, &scene->objects[i], &slab)) continue;
-        if (!array_reserve(&slabs->items, &capacity, slabs->n + 1U, sizeof *slabs->items) ||
-            !array_reserve(&slabs->boxes, &boxes_capacity, slabs->n_boxes + 1U, sizeof *slabs->boxes))
-            return false;
-        slabs->items[slabs->n] = slab;
-        slabs->of_object[i] = slabs->n++;
-        if (!bends(finder->compiled, i)) continue;
-        slabs->boxes[slabs->n_boxes] = scene_object_bounds(scene, &scene->objects[i], NULL);
-        slabs->bounds = box3_union(slabs->bounds, slabs->boxes[slabs->n_boxes++]);
-    }
+    for (int bending = 1; bending >= 0; bending--)
+        for (uint32_t i = 0; i < scene->n_objects; i++) {
+            SlabAxes slab;
+            if (bending) slabs->of_object[i] = SCENE_NONE;
+            if (!is_clear(finder->compiled, i) || bends(finder->compiled, i) != bending ||
+                (!bending && !slabs->n_boxes) || !find_slab(finder, &scene->objects[i], &slab))
+                continue;
+            Box3 box = scene_object_bounds(scene, &scene->objects[i], NULL);
+            if (!bending && !is_within_one(slabs, box)) continue;
+            if (!add_slab(slabs, &capacity, i, &slab)) return false;
+            if (!bending) continue;
+            if (!array_reserve(&slabs->boxes, &boxes_capacity, slabs->n_boxes + 1U, sizeof *slabs->boxes)) return false;
+            slabs->boxes[slabs->n_boxes++] = box;
+            slabs->bounds = box3_union(slabs->bounds, box);
+        }
     return true;
 }
 

@@ -10,18 +10,18 @@
 
 /* Its faces look along these axes, to both sides of each, and are most of what its surface is. */
 enum { SLAB_AXES = 3 };
-typedef struct Slab {
+typedef struct SlabAxes {
     Vec3f axes[SLAB_AXES]; /* unit */
-    uint32_t n_axes;
-} Slab;
+    uint32_t n;
+} SlabAxes;
 
-/* All of a scene that are smooth and stand still. */
+/* All of a scene that are smooth and stand still. Those of the index of what is outside, as the air in double glazing, count where
+ * they are within the box of one that is not: a line from outside then comes to that box first. */
 typedef struct Slabs {
-    Slab *items;
+    SlabAxes *items;
     uint32_t *of_object; /* SCENE_NONE: it is none */
     uint32_t n;
-    /* around each of those that bend light which comes from outside, and around all of these */
-    Box3 *boxes, bounds;
+    Box3 *boxes, bounds; /* around each of those that bend light which comes from outside, and around all of these */
     uint32_t n_boxes;
 } Slabs;
 
@@ -35,8 +35,8 @@ static inline bool slabs_have_face(const Slabs *slabs, const Hit *hit)
     const float parallel = 1 - 1e-6f;
     uint32_t number = slabs->of_object[hit->object];
     if (number == SCENE_NONE) return false;
-    const Slab *slab = &slabs->items[number];
-    for (uint32_t i = 0; i < slab->n_axes; i++)
+    const SlabAxes *slab = &slabs->items[number];
+    for (uint32_t i = 0; i < slab->n; i++)
         if (fabsf(vec3f_dot(slab->axes[i], hit->normal)) > parallel) return true;
     return false;
 }

@@ -443,7 +443,7 @@ bool path_cross_towards(Tracer *tracer, const Ray *ray, NestList *list)
         NestPass pass = {hull, left->inside};
         NestCrossing crossing;
         bool crossed = left->inside == left->entering;
-        /* one that is not crossed may have been entered, or left, by another surface at that place: to pass what the list has is nothing */
+        /* one that is not crossed may have been entered, or left, by another surface there; to pass what the list has is nothing */
         if (hull == SCENE_NONE || (!crossed && compiled->order.policy == NEST_NONE)) continue;
         if (nest_cross_one(list, &compiled->order, pass, &crossing) != STATUS_OK) return false;
     }

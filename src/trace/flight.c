@@ -332,8 +332,9 @@ double flight_uneven(Path *path, FreeFlight *flight, double from, double length,
     Tracer *tracer = path->tracer;
     double t = from, to = from + length;
     if (path->straight) {
-        path->beta =
-            lanes_mul(path->beta, flight_transmit(path, &path->ray, &tracer->list, t, to, &flight->n_drawn, NULL));
+        if (path->for_light)
+            path->beta =
+                lanes_mul(path->beta, flight_transmit(path, &path->ray, &tracer->list, t, to, &flight->n_drawn, NULL));
         return length;
     }
     if (flight->budget < 0) flight_draw(path, flight);

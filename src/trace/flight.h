@@ -64,8 +64,10 @@ static inline double flight_even(Path *path, FreeFlight *flight, uint32_t medium
     const SceneMedium *m = &path->tracer->world->scene->media[medium];
     if (!(length > 0)) return length;
     if (m->scatters && UNLIKELY(path->straight)) {
-        flight->absorbed = lanes_add(
-            flight->absorbed, lanes_scale(spectrum_at(&m->scattering, path->wavelengths.nm), flight_length(length)));
+        if (path->for_light)
+            flight->absorbed =
+                lanes_add(flight->absorbed,
+                          lanes_scale(spectrum_at(&m->scattering, path->wavelengths.nm), flight_length(length)));
     } else if (m->scatters) {
         if (flight->budget < 0) flight_draw(path, flight);
         length = flight_scatter_even(flight, m, length, path->wavelengths.nm);

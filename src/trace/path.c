@@ -79,10 +79,20 @@ void tracers_free(Tracer *tracers, unsigned n)
     free(tracers);
 }
 
-Tracer *tracer_for_looks(Tracer *tracer)
+Tracer *tracer_lend(Tracer *tracer)
 {
     if (UNLIKELY(!tracer->looker)) tracer->looker = tracers_new(tracer->world, 1);
+    if (LIKELY(tracer->looker))
+        tracer->looker->counters = tracer->counters;
+    else
+        tracer->out_of_memory = true;
     return tracer->looker;
+}
+
+void tracer_take_back(Tracer *tracer)
+{
+    tracer->counters = tracer->looker->counters;
+    tracer->out_of_memory |= tracer->looker->out_of_memory;
 }
 
 /* Ends paths that carry little. The decision uses what is the same whichever lane is the hero. Directions that were chosen because a
@@ -133,11 +143,11 @@ static void next_event_noting(Path *path, Event *event, bool first)
 /* What an event does to a path that does not end there for good. Returns whether it goes on. */
 static inline bool pass_event(Path *path, Event *event)
 {
+    path->n_counted += event->kind != EVENT_SCATTER;
     if (event->kind == EVENT_SCATTER)
         path_scatter_in_medium(path, event);
     else if (!(event->kind == EVENT_BOUNDARY ? path_cross_boundary(path, event) : path_shade_opaque(path, event)))
         return false;
-    path->n_counted += event->kind != EVENT_SCATTER;
     path->bounce++;
     if (path->tracer->world->scene->n_textures > 0) path_widen(path);
     path_keep_in_range(path);

@@ -103,7 +103,7 @@ typedef struct Tracer {
     PixelSampler pixel;
     struct GuideLedger *ledger; /* of what a guide does that is tried out; NULL: none. Not owned */
     struct Backdrop *backdrop;  /* of what is seen past lamps, while that is found out; NULL: else. Not owned */
-    struct Tracer *looker;      /* see tracer_for_looks; NULL: not yet needed */
+    struct Tracer *looker;      /* see tracer_lend; NULL: not yet needed */
     /* what the last path met first: the object, a combination's own row, or beyond these what scatters, also behind boundaries;
      * SCENE_NONE: nothing, or a light */
     uint32_t seen;
@@ -123,8 +123,11 @@ void tracer_clear(Tracer *tracer);
 Tracer *tracers_new(const World *world, unsigned n);
 /* tracers may be NULL. */
 void tracers_free(Tracer *tracers, unsigned n);
-/* The one that follows what is sent out while this one's path waits; NULL when memory ends. */
-Tracer *tracer_for_looks(Tracer *tracer);
+/* The one that follows what is sent out while this one's path waits; it counts on from this one's counters. NULL when memory ends, which
+ * this one is told. */
+Tracer *tracer_lend(Tracer *tracer);
+/* Takes back what that has counted. */
+void tracer_take_back(Tracer *tracer);
 
 /* Where on the film: pixels from the top left corner, of a frame of width x height. */
 typedef struct FilmPoint {

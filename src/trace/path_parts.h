@@ -86,7 +86,8 @@ typedef struct Path {
     bool cone_bent;  /* it has gone through a boundary, or off a mirror */
     /* what part of the light that it looks for is the backdrop's of the picture: see path_follow_from_camera */
     float open;
-    bool straight;   /* media do not scatter it, and it loses what they do: it only looks what is there */
+    bool straight;   /* media do not scatter it: it only looks what is there */
+    bool for_light;  /* and what arrives: what they scatter counts as absorbed */
     bool looks;      /* for light that media scatter towards it */
     bool is_photon;  /* it comes from a lamp, and looks for none */
     bool bent_apart; /* it has come to a boundary where each of its wavelengths would go on in another way, */
@@ -97,7 +98,8 @@ typedef struct Path {
     float in_front;  /* the most light that was looked for, and found, on a stretch in front of what it meets first, */
     uint32_t scatters_in_front; /* and the number of what scatters there, see Tracer.seen */
     uint32_t n_scattered;       /* in media, so far */
-    uint32_t n_counted;         /* of the events, the ones that the scene's limit counts: not scattering within media */
+    uint32_t
+        n_counted; /* of the events so far, and of the present one, the ones that the scene's limit counts: not scattering in media */
     PathMedia media;
     PathProbing probing;
     SlabWay slab_way;

@@ -76,11 +76,8 @@ void path_send_probe(Path *path, const GuideAt *guide, Event *event, const Surfa
 {
     Tracer *tracer = path->tracer, *prober;
     if (!(way->pdf_w > 0)) return;
-    prober = tracer_for_looks(tracer);
-    if (UNLIKELY(!prober)) {
-        tracer->out_of_memory = true;
-        return;
-    }
+    prober = tracer_lend(tracer);
+    if (UNLIKELY(!prober)) return;
     Path probe = *path;
     probe.tracer = prober;
     probe.fork = NULL;
@@ -98,8 +95,6 @@ void path_send_probe(Path *path, const GuideAt *guide, Event *event, const Surfa
     probe.probing = (PathProbing){
         .guide = *guide, .direction = way->direction, .density = way->pdf_w, .part = -1, .is_probe = true};
     probe.bounce += FIRST_BOUNCE;
-    probe.n_counted += event != NULL;
-    prober->counters = tracer->counters;
     if (tracer->world->scene->n_textures > 0) path_widen(&probe);
     uint64_t rays = prober->counters.rays;
     prober->ledger = tracer->ledger;
@@ -107,8 +102,7 @@ void path_send_probe(Path *path, const GuideAt *guide, Event *event, const Surfa
     if (UNLIKELY(tracer->ledger))
         guide_note(tracer->ledger, guide, GUIDE_SENT, (float)(prober->counters.rays - rays),
                    lanes_mean(way->scattered) * SAMPLING_PI);
-    tracer->counters = prober->counters;
-    tracer->out_of_memory |= prober->out_of_memory;
+    tracer_take_back(tracer);
     path->radiance = lanes_add(path->radiance, probe.radiance);
     path->bent_apart |= probe.bent_apart;
 }

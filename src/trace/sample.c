@@ -199,6 +199,7 @@ void path_keep_fork(Path *path, const Event *event)
                  nest_list_copy(&tracer->forked, &tracer->list) == STATUS_OK;
     if (!fork->kept) return;
     fork->path = *path;
+    fork->path.n_counted--; /* it is yet to cross it */
     fork->event = *event;
 }
 

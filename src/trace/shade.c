@@ -80,7 +80,7 @@ ATTR_COLD static Vec3f keep_to_side(const Tracer *tracer, const Event *event, bo
     return vec3f_normalize(reflect_direction(direction, start->normal));
 }
 
-/* Which of the surfaces a ray starts on is up to the side that it goes to: they are left whole for the path, which may go to the other. */
+/* Which of the surfaces a ray starts on is up to the side that it goes to: all are left for the path, which may go to the other. */
 void path_start_ray_of_several(const Path *path, const Event *event, bool through, Vec3f direction, Ray *next)
 {
     Tracer *tracer = path->tracer;
@@ -348,7 +348,7 @@ bool path_shade_opaque(Path *path, Event *event)
     }
     if (UNLIKELY(path->probing.is_probe)) return false;
     Lanes albedo = spectrum_at(spec == &textured ? &spec->base_color : &surface->albedo, path->wavelengths.nm);
-    light_diffuse(path, event, &place, albedo);
+    if (LIKELY(!path->is_photon)) light_diffuse(path, event, &place, albedo);
 
     float u[2];
     sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_SCATTER), u);
@@ -504,7 +504,7 @@ bool path_cross_boundary(Path *path, Event *event)
         choose_at_boundary(path, &place, true, eta_i, eta_t, &choice);
     }
     weigh_choice(path, &choice, lanes_uniform(eta_i) && lanes_uniform(eta_t));
-    if (slab_is_face(world, event, &place)) slab_meet_face(path, choice.reflected, rarity);
+    if (slab_is_face(world, event, &place)) slab_meet_face(path, event, choice.reflected, rarity);
     path->scatter_pdf = -1;
     path->probing.bent = true;
     path_leave(path, event, &place, !choice.reflected, choice.direction);

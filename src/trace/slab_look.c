@@ -8,9 +8,17 @@
 /* A look's flights have numbers beyond those of all paths and probes. */
 enum { FIRST_BOUNCE = 1 << 25 };
 
-void slab_meet_face(Path *path, bool mirrored, float rarity)
+/* Whether the index of a medium is that of what is outside; elsewhere what leaves in the direction of its start is a light's one
+ * direction of all, and would count by what it fills of the sky there. */
+static bool is_as_outside(Path *path, uint32_t medium)
+{
+    return lanes_equal(path_ior(path, medium), path_ior(path, WORLD_MEDIUM));
+}
+
+void slab_meet_face(Path *path, const Event *event, bool mirrored, float rarity)
 {
     SlabWay *way = &path->slab_way;
+    if (way->bounce != path->bounce && !is_as_outside(path, event->crossing.medium_from)) return;
     if (way->bounce != path->bounce) {
         way->direction = path->ray.direction;
         way->scatter_pdf = path->scatter_pdf;
@@ -90,10 +98,11 @@ static Lanes follow_mirrored(const Look *look, const Event *event, const Face *f
     if (look->n_mirrored == SLAB_MIRRORED ||
         sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_LOBE)) >= chosen)
         return lanes_all(0);
-    Tracer *tracer = path->tracer, *looker = tracer_for_looks(tracer);
+    Tracer *tracer = path->tracer, *looker = tracer_lend(tracer);
     Look mirrored = *look;
     Event there = *event;
-    if (!looker || nest_list_copy(&looker->list, &tracer->list) != STATUS_OK ||
+    if (!looker) return lanes_all(0);
+    if (nest_list_copy(&looker->list, &tracer->list) != STATUS_OK ||
         !hit_list_copy(&looker->hits, tracer->hits.items, event->n_cluster)) {
         tracer->out_of_memory = true;
         return lanes_all(0);
@@ -103,10 +112,8 @@ static Lanes follow_mirrored(const Look *look, const Event *event, const Face *f
     mirrored.path.beta = lanes_mul(path->beta, lanes_scale(face->reflectance, 1 / chosen));
     mirrored.path.bounce++;
     path_leave(&mirrored.path, &there, &face->place, false, reflect_direction(path->ray.direction, face->place.normal));
-    looker->counters = tracer->counters;
     Lanes arrives = follow(&mirrored);
-    tracer->counters = looker->counters;
-    tracer->out_of_memory |= looker->out_of_memory;
+    tracer_take_back(tracer);
     return arrives;
 }
 
@@ -138,6 +145,7 @@ static Lanes follow(Look *look)
         if (event.kind == EVENT_LOST) path->tracer->out_of_memory = true;
         if (event.kind == EVENT_ESCAPE)
             return is_same_direction(path->ray.direction, look->wanted) ? lanes_add(arrives, path->beta) : arrives;
+        if (event.kind == EVENT_SCATTER || path->n_counted++ >= path->tracer->world->max_bounces) break;
         if (event.kind == EVENT_OPAQUE) {
             if (!cross_pane(path, &event)) break;
             continue;
@@ -155,23 +163,23 @@ bool slab_shadow(Path *path, const Ray *ray, Lanes *transmittance)
 {
     Tracer *tracer = path->tracer;
     if (!slabs_are_on_way(&tracer->world->slabs, ray->origin, ray->direction)) return false;
-    Tracer *looker = tracer_for_looks(tracer);
-    if (!looker || !path_cross_towards(tracer, ray, &looker->list)) {
+    Tracer *looker = tracer_lend(tracer);
+    if (!looker) return false;
+    if (!path_cross_towards(tracer, ray, &looker->list)) {
         tracer->out_of_memory = true;
         return false;
     }
+    if (!is_as_outside(path, nest_medium(&looker->list))) return false;
     Look look = {.path = *path, .wanted = ray->direction};
     look.path.tracer = looker;
     look.path.ray = *ray;
     look.path.ray.t_max = HUGE_VAL;
-    look.path.straight = true;
+    look.path.straight = look.path.for_light = true;
     look.path.looks = false;
     look.path.fork = NULL;
     look.path.bounce += FIRST_BOUNCE;
     look.path.beta = look.path.ratio = lanes_all(1);
-    looker->counters = tracer->counters;
     *transmittance = follow(&look);
-    tracer->counters = looker->counters;
-    tracer->out_of_memory |= looker->out_of_memory;
+    tracer_take_back(tracer);
     return !lanes_zero(*transmittance);
 }

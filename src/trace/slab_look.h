@@ -1,13 +1,14 @@
 /* slab_look.h - light of the sky and the sun through bodies with parallel faces; private to src/trace.
  *
  * Such light comes to a place from the direction in which it leaves the scene, so that a look for it can be followed, through
- * flat faces and to and fro between them, until it leaves the scene. Where it does so in the direction in which it was sent, the light
- * there is what was looked for, and counts by what the faces let through. A path that is scattered in that direction, and goes
- * through by chance, finds the same; both are weighed as where nothing is in the way. What leaves at another angle is none of this,
- * and found as it was before. A look always goes through each face, and is mirrored besides as often as the face reflects.
+ * flat faces and to and fro between them, until it leaves the scene. Where it does so in the direction in which it was sent, the
+ * light there is what was looked for, and counts by what the faces let through. A path that is scattered in that direction, and
+ * goes through by chance, finds the same; both are weighed as where nothing is in the way. What leaves at another angle is none of
+ * this, and neither is what starts where the index is another than outside; it is found as it was before. A look always goes
+ * through each face, and is mirrored besides as often as the face reflects.
  *
- * The way of a look is that of one wavelength, as a path's is (sample.c). The others would go beside it, by some hundredths of the
- * body's thickness, and are taken to come as far as that one does; of what the faces let through each has its own part.
+ * The way of a look is that of one wavelength, as a path's is (sample.c). The others would go beside it, by some hundredths of
+ * the body's thickness, and are taken to come as far as that one does; of what the faces let through each has its own part.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_SLAB_LOOK_H
 #define MEN_SLAB_LOOK_H
@@ -15,10 +16,10 @@
 #include "trace/event.h"
 #include "trace/shade.h"
 
-/* A way by more faces than these, or mirrored by more, is none of this. */
+/* A way by more faces than these, or mirrored by more, is none of this; thin panes between them do not count. */
 enum { SLAB_FACES = 64, SLAB_MIRRORED = 8 };
 
-/* Whether the path has met nothing but faces of slabs since it was scattered. */
+/* Whether the path has met nothing but faces of slabs, and thin panes, since it came to the first of these faces. */
 static inline bool path_is_in_slabs(const Path *path)
 {
     return UNLIKELY(path->slab_way.bounce == path->bounce);
@@ -29,7 +30,7 @@ static inline bool slab_is_face(const World *world, const Event *event, const Su
     return UNLIKELY(world->slabs.n) && slabs_have_face(&world->slabs, &event->hit) && !path_is_bent(place);
 }
 /* The path is about to be refracted at a face of a slab, or mirrored; rarity: of its airway, in front. */
-void slab_meet_face(Path *path, bool mirrored, float rarity);
+void slab_meet_face(Path *path, const Event *event, bool mirrored, float rarity);
 /* It has gone straight through a thin pane. */
 static inline void slab_pass_pane(Path *path)
 {

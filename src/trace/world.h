@@ -7,13 +7,13 @@
 #include "optics/spectral_lines.h"
 #include "optics/portal.h"
 #include "scene/compile.h"
+#include "scene/slabs.h"
 #include "trace/balances.h"
 #include "trace/beacons.h"
 #include "trace/emitter.h"
 #include "trace/lens.h"
 #include "trace/looks.h"
 #include "trace/media.h"
-#include "scene/slabs.h"
 
 /* What is first chosen for next-event estimation: a distant light (an entry of scene->lights), the environment, or all
  * that shines from a finite place together, among which the tree then chooses. */
