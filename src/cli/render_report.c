@@ -104,7 +104,7 @@ static double size_of_scene_m(const RenderRun *run)
     return box3_is_empty(all) ? 0 : vec3_length(vec3_sub(all.max, all.min)) * scene->unit_m;
 }
 
-/* Lengths that were meant in millimetres and are metres, as nobody said, or said by habit: a lamp of a table then lights a stadium. */
+/* Lengths that were meant in millimetres and are metres, as nobody said, or said by habit: a lamp of a table lights a stadium. */
 static void remark_unit(const RenderRun *run, bool lost)
 {
     const Scene *scene = run->input.scene;
@@ -129,8 +129,8 @@ static int clipped_stops(const Brightness *brightness, const char **part)
     return half >= HALF ? half : third >= THIRD ? third : 0;
 }
 
-/* Nothing of it is to be seen as it is: nearly all is darker than the first step of a display, or brighter than white. That is said of an
- * EXR file alone, too. */
+/* Nothing of it is to be seen as it is: nearly all is darker than the first step of a display, or brighter than white. That is
+ * said of an EXR file alone, too. */
 static bool is_lost(const Brightness *brightness, double nearly_all)
 {
     const double first_step = 0.5 / 255 / 12.92;

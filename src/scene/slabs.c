@@ -118,8 +118,8 @@ typedef struct Finder {
     bool *shape_known;  /* of each shape */
 } Finder;
 
-/* A map keeps faces parallel, but where it stretches unevenly others are most of the surface: then shapes of few parts are looked at
- * as they are in the world. */
+/* A map keeps faces parallel, but where it stretches unevenly others are most of the surface: then shapes of few parts are looked
+ * at as they are in the world. */
 static bool find_slab(Finder *finder, const SceneObject *object, SlabAxes *slab)
 {
     enum { FEW = 256 };
@@ -137,7 +137,7 @@ static bool find_slab(Finder *finder, const SceneObject *object, SlabAxes *slab)
     return slab->n > 0;
 }
 
-/* Whether light goes through an object's surface as through smooth glass wherever it comes to it, and always at the same place. */
+/* Whether light goes through an object's surface as through smooth glass wherever it meets it, and always at the same place. */
 static bool is_clear(const CompiledScene *compiled, uint32_t number)
 {
     const Scene *scene = compiled->scene;

@@ -15,8 +15,8 @@ typedef struct SlabAxes {
     uint32_t n;
 } SlabAxes;
 
-/* All of a scene that are smooth and stand still. Those of the index of what is outside, as the air in double glazing, count where
- * they are within the box of one that is not: a line from outside then comes to that box first. */
+/* All of a scene that are smooth and stand still. Those of the index of what is outside, as the air in double glazing, count
+ * where they are within the box of one that is not: a line from outside then comes to that box first. */
 typedef struct Slabs {
     SlabAxes *items;
     uint32_t *of_object; /* SCENE_NONE: it is none */

@@ -123,8 +123,8 @@ void tracer_clear(Tracer *tracer);
 Tracer *tracers_new(const World *world, unsigned n);
 /* tracers may be NULL. */
 void tracers_free(Tracer *tracers, unsigned n);
-/* The one that follows what is sent out while this one's path waits; it counts on from this one's counters. NULL when memory ends, which
- * this one is told. */
+/* The one that follows what is sent out while this one's path waits; it counts on from this one's counters. NULL when memory ends,
+ * which this one is told. */
 Tracer *tracer_lend(Tracer *tracer);
 /* Takes back what that has counted. */
 void tracer_take_back(Tracer *tracer);

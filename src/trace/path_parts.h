@@ -98,8 +98,7 @@ typedef struct Path {
     float in_front;  /* the most light that was looked for, and found, on a stretch in front of what it meets first, */
     uint32_t scatters_in_front; /* and the number of what scatters there, see Tracer.seen */
     uint32_t n_scattered;       /* in media, so far */
-    uint32_t
-        n_counted; /* of the events so far, and of the present one, the ones that the scene's limit counts: not scattering in media */
+    uint32_t n_counted;         /* events that the scene's limit counts, the present one too: none within media */
     PathMedia media;
     PathProbing probing;
     SlabWay slab_way;

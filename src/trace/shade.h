@@ -41,8 +41,8 @@ bool path_light_arrives(Path *path, const LightSample *light, Ray *ray, Lanes *b
 void path_add_direct_light(Path *path, const LightSample *light, Ray *ray, Lanes scattered, float pdf_w);
 /* path_start_ray where an event has several surfaces. */
 void path_start_ray_of_several(const Path *path, const Event *event, bool through, Vec3f direction, Ray *next);
-/* A ray from the place of an event's surfaces, through them (not where the place is apart) or back, while the path waits there; at most
- * one at a time. Not for the place of a boundary of several hulls: see path_cross_towards. */
+/* A ray from the place of an event's surfaces, through them (not where the place is apart) or back, while the path waits there; at
+ * most one at a time. Not for the place of a boundary of several hulls: see path_cross_towards. */
 static inline void path_start_ray(const Path *path, const Event *event, const SurfacePlace *place, bool through,
                                   Vec3f direction, Ray *next)
 {
