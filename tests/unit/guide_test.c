@@ -535,7 +535,30 @@ static void bulbs(void **state)
     lit_clear(&lit);
 }
 
-/* What lands behind a slab in the sun is what comes to it, less what is reflected. */
+/* What the sun sends through a slab is found by looks, and photons of it are of no use, but for those that its edges bend. */
+static void looked_for(void **state)
+{
+    (void)state;
+    enum { N = 4000 };
+    Lit lit;
+    Error error;
+    uint64_t rays = 0;
+    int n_landed = 0;
+    lit_make(&lit, FIXTURE_MEDIA
+             "box { interior = glass  from = <-30, 60, -30>  to = <30, 66, 30> }\n"
+             "ground { surface = surface { albedo = .5 } } camera { from = <0, 10, 300>  to = <0, 0, 0> }\n"
+             "light { shape = \"distant\"  from = <0, 1, 0>  to = <0, 0, 0>  angle = .5deg  power = 1 }\n");
+    Photon *photons = calloc(N, sizeof *photons);
+    assert_int_equal(photons_trace(&lit.source, 0, N, NULL, photons, &rays, &error), STATUS_OK);
+    for (int i = 0; i < N; i++) n_landed += photons[i].flux > 0;
+    printf("    of %d photons from the sun through a slab, %d land\n", N, n_landed);
+    assert_true(rays >= N && n_landed < N / 100);
+    free(photons);
+    lit_clear(&lit);
+}
+
+/* What lands behind a slab under a lamp far away is what comes to it, less what is reflected; that of the sun would be found by
+ * looks (slab_look.h). */
 static void flux(void **state)
 {
     (void)state;
@@ -547,7 +570,7 @@ static void flux(void **state)
     lit_make(&lit, FIXTURE_MEDIA
              "box { interior = glass  from = <-30, 60, -30>  to = <30, 66, 30> }\n"
              "ground { surface = surface { albedo = .5 } } camera { from = <0, 10, 300>  to = <0, 0, 0> }\n"
-             "light { shape = \"distant\"  from = <0, 1, 0>  to = <0, 0, 0>  angle = .5deg  power = 1 }\n");
+             "light { shape = \"sphere\"  from = <0, 6000, 0>  radius = 26  radiance = 16000 }\n");
     assert_int_equal(pool_new(2, &pool, &error), STATUS_OK);
     assert_int_equal(lit.targets.n, 1);
     Photon *photons = calloc(N, sizeof *photons), *again = calloc(N, sizeof *again);
@@ -783,9 +806,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(densities), cmocka_unit_test(sheets), cmocka_unit_test(folds),    cmocka_unit_test(doubts),
         cmocka_unit_test(corners),   cmocka_unit_test(sides),  cmocka_unit_test(borrowed), cmocka_unit_test(missed),
-        cmocka_unit_test(keenness),  cmocka_unit_test(levels), cmocka_unit_test(flux),     cmocka_unit_test(bulbs),
-        cmocka_unit_test(lenses),    cmocka_unit_test(hues),   cmocka_unit_test(beams),    cmocka_unit_test(walks),
-        cmocka_unit_test(tiles),
+        cmocka_unit_test(keenness),  cmocka_unit_test(levels), cmocka_unit_test(flux),     cmocka_unit_test(looked_for),
+        cmocka_unit_test(bulbs),     cmocka_unit_test(lenses), cmocka_unit_test(hues),     cmocka_unit_test(beams),
+        cmocka_unit_test(walks),     cmocka_unit_test(tiles),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
