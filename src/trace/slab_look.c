@@ -10,9 +10,11 @@ enum { FIRST_BOUNCE = 1 << 25 };
 
 /* Whether the index of a medium is that of what is outside; elsewhere what leaves in the direction of its start is a light's one
  * direction of all, and would count by what it fills of the sky there. */
-static bool is_as_outside(Path *path, uint32_t medium)
+static bool is_as_outside(const Path *path, uint32_t medium)
 {
-    return lanes_equal(path_ior(path, medium), path_ior(path, WORLD_MEDIUM));
+    const World *world = path->tracer->world;
+    const Lanes nm = path->wavelengths.nm;
+    return medium == WORLD_MEDIUM || lanes_equal(medium_ior(world, medium, nm), medium_ior(world, WORLD_MEDIUM, nm));
 }
 
 void slab_meet_face(Path *path, const Event *event, bool mirrored, float rarity)
@@ -60,24 +62,17 @@ void slab_leave_scene(Path *path)
 /* Where a look meets a face. */
 typedef struct Face {
     SurfacePlace place;
-    Lanes reflectance; /* of each wavelength by its own index, whichever the path takes */
+    Lanes reflectance;
     Vec3f refracted;
     bool passes;
 } Face;
 
 static bool meet_face(Path *look, const Event *event, Face *face)
 {
-    const World *world = look->tracer->world;
-    const uint32_t from = event->crossing.medium_from, to = event->crossing.medium_to;
-    const Lanes nm = look->wavelengths.nm;
-    Lanes ignored;
     face->place = path_place(look, event);
-    if (!slab_is_face(world, event, &face->place)) return false;
-    Vec3f normal = face->place.normal;
-    face->passes = fresnel_refract(look->ray.direction, normal, path_ior(look, from), path_ior(look, to), &ignored,
-                                   &face->refracted);
-    face->reflectance = fresnel_dielectric_lanes(-vec3f_dot(look->ray.direction, normal), medium_ior(world, from, nm),
-                                                 medium_ior(world, to, nm));
+    if (!slab_is_face(look->tracer->world, event, &face->place)) return false;
+    face->passes = fresnel_refract(look->ray.direction, face->place.normal, path_ior(look, event->crossing.medium_from),
+                                   path_ior(look, event->crossing.medium_to), &face->reflectance, &face->refracted);
     return true;
 }
 
@@ -176,6 +171,8 @@ bool slab_shadow(Path *path, const Ray *ray, Lanes *transmittance)
     look.path.ray.t_max = HUGE_VAL;
     look.path.straight = look.path.for_light = true;
     look.path.looks = false;
+    look.path.index_lane = -1; /* each wavelength has its own, whichever the path takes for all: see sample.c */
+    memset(look.path.media.ior_of, 0, sizeof look.path.media.ior_of);
     look.path.fork = NULL;
     look.path.bounce += FIRST_BOUNCE;
     look.path.beta = look.path.ratio = lanes_all(1);

@@ -7,8 +7,9 @@
  * this, and neither is what starts where the index is another than outside; it is found as it was before. A look always goes
  * through each face, and is mirrored besides as often as the face reflects.
  *
- * The way of a look is that of one wavelength, as a path's is (sample.c). The others would go beside it, by some hundredths of
- * the body's thickness, and are taken to come as far as that one does; of what the faces let through each has its own part.
+ * The way of a look is that of the hero, for both paths of a sample (sample.c). The other wavelengths would go beside it, by some
+ * hundredths of the body's thickness, and are taken to come as far as that one does; of what the faces let through each has its
+ * own part.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_SLAB_LOOK_H
 #define MEN_SLAB_LOOK_H
