@@ -215,17 +215,11 @@ static void print_like_pairs(const CompiledScene *compiled, const ReportGroups *
     buf_clear(&name);
 }
 
-/* Of one place in the text, as the turns of a loop are. */
-static bool is_same_place(Span a, Span b)
-{
-    return a.source == b.source && a.begin == b.begin;
-}
-
 uint32_t report_count_like(ReportLikes *likes, const SceneObject *a, const SceneObject *b)
 {
     uint32_t i = 0;
     while (i < likes->n &&
-           !(is_same_place(likes->places[i][0], a->span) && is_same_place(likes->places[i][1], b->span)))
+           !(report_same_place(likes->places[i][0], a->span) && report_same_place(likes->places[i][1], b->span)))
         i++;
     if (i == REPORT_MOST) return i;
     if (i == likes->n) {

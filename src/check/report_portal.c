@@ -59,20 +59,14 @@ static int count_closed(const Finder *finder, const SceneLight *light, const Sce
     return n;
 }
 
-/* One that does anything. */
-static bool has_portal(const Scene *scene)
-{
-    for (uint32_t i = 0; i < scene->n_lights && scene->environment; i++)
-        if (scene->lights[i].kind == LIGHT_PORTAL) return true;
-    return false;
-}
-
 void report_portals(const CompiledScene *compiled, Diag *diag)
 {
     const Scene *scene = compiled->scene;
     Finder finder = {.compiled = compiled};
     uint32_t n = 0;
-    if (!has_portal(scene) || !compiled->n_hulls || slabs_find(compiled, &finder.slabs, NULL) != STATUS_OK) return;
+    if (!scene->environment || !scene_has_portal(scene) || !compiled->n_hulls ||
+        slabs_find(compiled, &finder.slabs, NULL) != STATUS_OK)
+        return;
     for (uint32_t i = 0; i < scene->n_lights; i++) {
         const SceneLight *light = &scene->lights[i];
         const SceneObject *object = NULL;
@@ -84,10 +78,10 @@ void report_portals(const CompiledScene *compiled, Diag *diag)
                         "then found by chance alone",
                         light->name, object->name);
         diag_note(diag, report, object->span, "%s is here", object->name);
-        diag_hint(diag, report,
-                  "make its faces flat and parallel, smooth and still; or in place of its interior, write: surface = "
-                  "surface { thin = true  "
-                  "ior = 1.52  transmission = 1 }; a box of that is two panes, as double glazing is");
+        diag_hint(
+            diag, report,
+            "make its faces flat and parallel, smooth and still; or in place of its interior, write: surface = surface "
+            "{ thin = true  ior = 1.52  transmission = 1 }; a box of that is two panes, as double glazing is");
     }
     slabs_clear(&finder.slabs);
     if (n > REPORT_MOST)

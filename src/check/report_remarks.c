@@ -399,7 +399,7 @@ static bool lies_within(const Box3 *inner, const Box3 *outer, double slack)
 {
     Vec3 by = vec3(slack, slack, slack);
     Box3 wide = {vec3_sub(outer->min, by), vec3_add(outer->max, by)};
-    return box3_holds_point(wide, inner->min) && box3_holds_point(wide, inner->max);
+    return box3_holds(wide, *inner);
 }
 
 /* Glass with a liquid in it, larger than any aquarium: icebergs and seas are not within each other. The largest one. */

@@ -365,6 +365,8 @@ static inline bool surface_is_pane(const SceneSurface *surface)
     }
     return clear && surface->spec.specular_roughness < 0.03f;
 }
+/* Whether light of the environment is said to come in through some opening. */
+bool scene_has_portal(const Scene *scene);
 /* Whether a surface, or a part of what it is a mix of, is a pane. */
 bool scene_surface_has_pane(const Scene *scene, uint32_t surface);
 /* Whether rays towards lights go through an object that has no interior: through panes, and holes in sheets, which are

@@ -40,8 +40,10 @@ bool path_cross(Tracer *tracer, NestList *list, const Hit *hits, size_t n, NestC
 bool path_cross_into_next(Tracer *tracer, const Event *event)
 {
     NestCrossing crossing;
-    return nest_list_copy(&tracer->next, &tracer->list) == STATUS_OK &&
-           path_cross(tracer, &tracer->next, tracer->hits.items, event->n_cluster, &crossing);
+    bool good = nest_list_copy(&tracer->next, &tracer->list) == STATUS_OK &&
+                path_cross(tracer, &tracer->next, tracer->hits.items, event->n_cluster, &crossing);
+    if (UNLIKELY(!good)) tracer->out_of_memory = true;
+    return good;
 }
 
 /* Whether a boundary between these media can be seen: their indices differ at some wavelength carried. */

@@ -62,7 +62,7 @@ bool path_turn_aside(Tracer *tracer, double *t);
 void path_turn_back(Tracer *tracer);
 /* Crosses the hulls among hits[0 .. n), all at one place. */
 bool path_cross(Tracer *tracer, NestList *list, const Hit *hits, size_t n, NestCrossing *crossing);
-/* tracer->next becomes the list behind the event's surfaces, from tracer->list on; false when memory ends. */
+/* tracer->next becomes the list behind the event's surfaces, from tracer->list on; false when memory ends, which the tracer is told. */
 bool path_cross_into_next(Tracer *tracer, const Event *event);
 /* Follows the path's ray through silent crossings to its next event. Absorption goes into beta. At a boundary
  * tracer->list is the list before it; event->behind says what leads to the one behind it, and path_go_behind and path_copy_behind

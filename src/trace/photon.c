@@ -67,7 +67,7 @@ static bool follow_photon(Path *path, bool far, float flux, Photon *photon)
         photon->way = (uint32_t)(way >> 32);
         if (!goes_on) return was_bent;
         /* what comes through panes alone is found by looking at the light; of slabs only their far side tells */
-        bent = straight ? bent : true;
+        bent = bent || !straight;
     }
     return false;
 }

@@ -211,8 +211,7 @@ static Lanes follow_fork(Tracer *tracer, PathFork *fork, int index_lane)
     path->color = path->colors[1];
     memset(path->media.ior_of, 0, sizeof path->media.ior_of);
     nest_list_swap(&tracer->list, &tracer->forked);
-    tracer->hits.n = 0;
-    if (rtc_add_hit(&tracer->hits, &fork->event.hit) &&
+    if (hit_list_copy(&tracer->hits, &fork->event.hit, 1) &&
         (fork->event.behind != BEHIND_IN_NEXT || path_cross_into_next(tracer, &fork->event)))
         path_follow_from_event(path, &fork->event);
     else

@@ -174,14 +174,6 @@ static bool weigh_aimed(const Bsdf *bsdf, const SurfacePlace *place, const Frame
     return true;
 }
 
-/* The hulls behind an opaque surface that light goes through, into tracer->next. */
-static bool cross_opaque(Path *path, const Event *event)
-{
-    if (path_cross_into_next(path->tracer, event)) return true;
-    path->tracer->out_of_memory = true;
-    return false;
-}
-
 /* Whether it sends light on almost as a smooth surface does, whatever the direction: photons go on behind it, and so do
  * probes. What goes through a boundary is bent, and so scattered less than what is mirrored. Of a lamp in a frosted globe, of a
  * roughness of 0.3, the squared error is a sixth for that with as many samples, and less than half after equal time; of a
@@ -220,7 +212,8 @@ static void send_probe(Path *path, const GuideAt *guide, Event *event, const Bsd
     Lanes f_cos, pdf_w;
     bool through = vec3f_dot(direction, place->geometric) < 0;
     evaluate(bsdf, place, frame, view, direction, &f_cos, &pdf_w);
-    if (lanes_zero(f_cos) || (through && event->kind == EVENT_OPAQUE && !cross_opaque(path, event))) return;
+    if (lanes_zero(f_cos) || (through && event->kind == EVENT_OPAQUE && !path_cross_into_next(path->tracer, event)))
+        return;
     path_send_probe(path, guide, event, place, &(ProbeWay){direction, through, f_cos, path_mean_density(path, pdf_w)});
 }
 
@@ -278,7 +271,7 @@ static bool scatter(Path *path, Event *event, Bsdf *bsdf, const SurfacePlace *pl
     if (!choose_direction(path, bsdf, place, frame, view, &aim, &sample, &direction, &pdf_w) ||
         UNLIKELY(path->probing.is_probe && !keen && !sample.specular))
         return false;
-    if (sample.transmitted && event->kind == EVENT_OPAQUE && !cross_opaque(path, event)) return false;
+    if (sample.transmitted && event->kind == EVENT_OPAQUE && !path_cross_into_next(path->tracer, event)) return false;
     float hero = lanes_get(sample.pdf_w, 0);
     if (!(hero > 0) || lanes_zero(sample.weight)) return false;
     bool on = sample.specular && sample.transmitted && event->kind == EVENT_OPAQUE;

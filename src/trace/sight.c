@@ -165,10 +165,7 @@ static bool cross_sheet(Path *look, Event *event, const SceneSurface *surface)
     BsdfSpec room;
     if (!surface->thin || !surface->finished || !is_clear(look, spec_at(look, event, surface, &place, &room)))
         return false;
-    if (!path_cross_into_next(look->tracer, event)) {
-        look->tracer->out_of_memory = true;
-        return false;
-    }
+    if (!path_cross_into_next(look->tracer, event)) return false;
     path_leave(look, event, &place, true, look->ray.direction);
     return true;
 }

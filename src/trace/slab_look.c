@@ -20,8 +20,8 @@ static bool is_as_outside(const Path *path, uint32_t medium)
 void slab_meet_face(Path *path, const Event *event, bool mirrored, float rarity)
 {
     SlabWay *way = &path->slab_way;
-    if (way->bounce != path->bounce && !is_as_outside(path, event->crossing.medium_from)) return;
-    if (way->bounce != path->bounce) {
+    if (!path_is_in_slabs(path)) {
+        if (!is_as_outside(path, event->crossing.medium_from)) return;
         way->direction = path->ray.direction;
         way->scatter_pdf = path->scatter_pdf;
         way->rarity = rarity;
@@ -120,10 +120,7 @@ static bool cross_pane(Path *look, Event *event)
     SurfacePlace place = path_place(look, event);
     look->beta = lanes_mul(look->beta, path_pass_panes(look, &look->ray, tracer->hits.items, event->n_cluster,
                                                        nest_medium(&tracer->list)));
-    if (!path_cross_into_next(tracer, event)) {
-        tracer->out_of_memory = true;
-        return false;
-    }
+    if (!path_cross_into_next(tracer, event)) return false;
     path_leave(look, event, &place, true, look->ray.direction);
     return true;
 }

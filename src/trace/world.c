@@ -34,10 +34,7 @@ static void add_choice(LightChoices *choices, uint32_t light, double power, doub
 static bool seeks_environment(const Scene *scene)
 {
     if (!scene->environment || environment_is_black(scene->environment)) return false;
-    if (environment_width(scene->environment) > 0) return true;
-    for (uint32_t i = 0; i < scene->n_lights; i++)
-        if (scene->lights[i].kind == LIGHT_PORTAL) return true;
-    return false;
+    return environment_width(scene->environment) > 0 || scene_has_portal(scene);
 }
 
 /* Half of the samples by flux onto the scene, half evenly by the number of lights, so that a small light near a surface

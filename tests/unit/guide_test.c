@@ -509,6 +509,20 @@ static void lenses(void **state)
     lit_clear(&lit);
 }
 
+/* How many of n photons land. */
+static int count_landed(const Lit *lit, uint32_t n)
+{
+    Error error;
+    uint64_t rays = 0;
+    int n_landed = 0;
+    Photon *photons = calloc(n, sizeof *photons);
+    assert_int_equal(photons_trace(&lit->source, 0, n, NULL, photons, &rays, &error), STATUS_OK);
+    assert_true(rays >= n);
+    for (uint32_t i = 0; i < n; i++) n_landed += photons[i].flux > 0;
+    free(photons);
+    return n_landed;
+}
+
 /* Photons go through a boundary as often as light does: the glass around a lamp does not send them back because another lamp, or this
  * one, is there. */
 static void bulbs(void **state)
@@ -516,9 +530,6 @@ static void bulbs(void **state)
     (void)state;
     enum { N = 4000 };
     Lit lit;
-    Error error;
-    uint64_t rays = 0;
-    int n_landed = 0;
     lit_make(
         &lit, FIXTURE_MEDIA
         "for (i in 0..<3) { group { difference { interior = glass  sphere { radius = 15 }  sphere { radius = 14 } }\n"
@@ -526,12 +537,9 @@ static void bulbs(void **state)
         "difference { box { from = <-900, -900, -900>  to = <900, 900, 900> }\n"
         "box { from = <-899, -899, -899>  to = <899, 899, 899> } surface = surface { albedo = .5 } }\n"
         "camera { from = <0, 10, 300>  to = <0, 0, 0> }\n");
-    Photon *photons = calloc(N, sizeof *photons);
-    assert_int_equal(photons_trace(&lit.source, 0, N, NULL, photons, &rays, &error), STATUS_OK);
-    for (int i = 0; i < N; i++) n_landed += photons[i].flux > 0;
+    int n_landed = count_landed(&lit, N);
     printf("    of %d photons from lamps in bulbs, %d land beyond these\n", N, n_landed);
     assert_true(n_landed > 0.8 * N);
-    free(photons);
     lit_clear(&lit);
 }
 
@@ -541,19 +549,13 @@ static void looked_for(void **state)
     (void)state;
     enum { N = 4000 };
     Lit lit;
-    Error error;
-    uint64_t rays = 0;
-    int n_landed = 0;
     lit_make(&lit, FIXTURE_MEDIA
              "box { interior = glass  from = <-30, 60, -30>  to = <30, 66, 30> }\n"
              "ground { surface = surface { albedo = .5 } } camera { from = <0, 10, 300>  to = <0, 0, 0> }\n"
              "light { shape = \"distant\"  from = <0, 1, 0>  to = <0, 0, 0>  angle = .5deg  power = 1 }\n");
-    Photon *photons = calloc(N, sizeof *photons);
-    assert_int_equal(photons_trace(&lit.source, 0, N, NULL, photons, &rays, &error), STATUS_OK);
-    for (int i = 0; i < N; i++) n_landed += photons[i].flux > 0;
+    int n_landed = count_landed(&lit, N);
     printf("    of %d photons from the sun through a slab, %d land\n", N, n_landed);
-    assert_true(rays >= N && n_landed < N / 100);
-    free(photons);
+    assert_true(n_landed < N / 100);
     lit_clear(&lit);
 }
 
