@@ -44,8 +44,8 @@ bool box3_cut(const Box3 *box, Vec3 from, Vec3 direction, double *enter, double 
         bool level = d[i] == 0, within = origin[i] > low[i] && origin[i] < high[i];
         double a = level ? (within ? -HUGE_VAL : HUGE_VAL) : (low[i] - origin[i]) / d[i];
         double b = level ? HUGE_VAL : (high[i] - origin[i]) / d[i];
-        *enter = fmax(*enter, fmin(a, b));
-        *leave = fmin(*leave, fmax(a, b));
+        *enter = double_max(*enter, double_min(a, b));
+        *leave = double_min(*leave, double_max(a, b));
     }
     return *enter < *leave;
 }

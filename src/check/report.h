@@ -14,7 +14,7 @@ typedef struct ReportView {
 
 /* Adds warnings that only geometry shows (air gaps, hidden objects, lost lights) to diag. view: as below. */
 void report_warnings(const CompiledScene *compiled, const ReportView *view, Diag *diag);
-/* Of these, a warning of each light without size that shines through smooth glass: there no path finds it. view: NULL, or for
+/* Of these, a warning of each light without size that shines through smooth glass that is not flat: there no path finds it. view: NULL, or for
  * those that lose little so, but leave a part of that picture in the dark, too. */
 void report_lost_lights(const CompiledScene *compiled, const ReportView *view, Diag *diag);
 /* And of each medium in which paths hardly ever end. */

@@ -1,15 +1,22 @@
-/* report_lights.c - lights without size whose light has to go through glass: no path finds them there.
+/* report_lights.c - lights without size whose light has to go through curved glass: no path finds them there.
  * A path that meets a smooth boundary is bent in one direction only, and would have to hit the light by chance; that it
- * is looked for straight on, from where the path is, is of use up to the first such boundary.
+ * is looked for, from where the path is, is of use up to the first such boundary that is not flat (scene/slabs.h).
  * SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 
 #include "check/report_parts.h"
 #include "check/sight_line.h"
+#include "scene/slabs.h"
 
 enum { DIRECTIONS = 256, BENDERS = 8, LINES_TO_PLACES = 60000 };
 /* What less is lost is not reported: of a light's flux, and of the picture. */
 static const double worth_a_word = 0.1, worth_a_word_in_picture = 0.01;
+
+/* Where lights are, and what they are found through. */
+typedef struct Finder {
+    const CompiledScene *compiled;
+    Slabs slabs;
+} Finder;
 
 /* What becomes of a light's flux, or of its way to what is seen. */
 typedef struct Fate {
@@ -29,12 +36,14 @@ static bool loses_nothing(const Scene *scene, uint32_t object)
     return surface->roughness > 0 || (surface->painted && !surface->mixed && surface->spec.transmission_weight == 0);
 }
 
-/* Where a smooth surface bends a line before it ends; NULL where none does. */
-static const SightStep *bend_along(const Scene *scene, const SightLine *line)
+/* Where a smooth surface that is not flat bends a line before it ends; NULL where none does. */
+static const SightStep *bend_along(const Finder *finder, const SightLine *line)
 {
+    const Scene *scene = finder->compiled->scene;
     for (size_t i = 0; i < line->n; i++) {
         const SightStep *step = &line->steps[i];
         if (step->kind == SIGHT_OPAQUE) return NULL;
+        if (step->kind == SIGHT_BOUNDARY && slabs_face(&finder->slabs, step->operand, step->normal)) continue;
         if (step->kind == SIGHT_BOUNDARY || step->kind == SIGHT_PAINTED)
             return loses_nothing(scene, step->object) ? NULL : step;
     }
@@ -60,7 +69,7 @@ Vec3 report_direction(int i, int n, double least_y)
 }
 
 /* false when memory ends */
-static bool follow(const CompiledScene *compiled, const SceneLight *light, Fate *fate)
+static bool follow(const Finder *finder, const SceneLight *light, Fate *fate)
 {
     for (int i = 0; i < DIRECTIONS; i++) {
         Vec3 local = report_direction(i, DIRECTIONS, light->cos_none);
@@ -68,8 +77,8 @@ static bool follow(const CompiledScene *compiled, const SceneLight *light, Fate 
         if (!(flux > 0)) continue;
         Ray ray = ray_make(light->to_world.t, vec3f_from(affine_vector(&light->to_world, local)));
         SightLine line;
-        bool found = sight_line_find(compiled, &ray, &line, NULL) == STATUS_OK;
-        const SightStep *bend = found ? bend_along(compiled->scene, &line) : NULL;
+        bool found = sight_line_find(finder->compiled, &ray, &line, NULL) == STATUS_OK;
+        const SightStep *bend = found ? bend_along(finder, &line) : NULL;
         fate->all += flux;
         if (bend) add_loss(fate, bend, flux);
         sight_line_clear(&line);
@@ -127,8 +136,7 @@ static bool ends_at(const SightLine *line, double distance)
 }
 
 /* As follow(), of straight ways to places, each of which counts 1. */
-static bool follow_to(const CompiledScene *compiled, const SceneLight *light, const ReportView *view, uint32_t step,
-                      Fate *fate)
+static bool follow_to(const Finder *finder, const SceneLight *light, const ReportView *view, uint32_t step, Fate *fate)
 {
     for (uint32_t i = 0; i < view->n; i += step) {
         Vec3 away = vec3_sub(view->places[i], light->to_world.t);
@@ -136,9 +144,9 @@ static bool follow_to(const CompiledScene *compiled, const SceneLight *light, co
         if (!(light_shape(light, local) > 0)) continue;
         Ray ray = ray_make(light->to_world.t, vec3f_from(direction));
         SightLine line;
-        bool found = sight_line_find(compiled, &ray, &line, NULL) == STATUS_OK;
+        bool found = sight_line_find(finder->compiled, &ray, &line, NULL) == STATUS_OK;
         bool comes = found && ends_at(&line, vec3_length(away));
-        const SightStep *bend = comes ? bend_along(compiled->scene, &line) : NULL;
+        const SightStep *bend = comes ? bend_along(finder, &line) : NULL;
         if (bend) add_loss(fate, bend, 1);
         sight_line_clear(&line);
         if (!found) return false;
@@ -158,19 +166,17 @@ static void report_dark(const Scene *scene, const SceneLight *light, const Fate 
     finish_report(light, object, fate, report, diag);
 }
 
-void report_lost_lights(const CompiledScene *compiled, const ReportView *view, Diag *diag)
+static void report_each(const Finder *finder, const ReportView *view, uint32_t step, Diag *diag)
 {
-    const Scene *scene = compiled->scene;
-    uint32_t n = 0, n_points = 0, n_places = view ? view->n : 0;
-    for (uint32_t i = 0; i < scene->n_lights; i++) n_points += scene->lights[i].kind == LIGHT_POINT;
-    uint32_t step = 1 + (uint32_t)((uint64_t)n_points * n_places / LINES_TO_PLACES);
-    for (uint32_t i = 0; i < scene->n_lights && compiled->n_hulls; i++) {
+    const Scene *scene = finder->compiled->scene;
+    uint32_t n = 0, n_places = view ? view->n : 0;
+    for (uint32_t i = 0; i < scene->n_lights; i++) {
         const SceneLight *light = &scene->lights[i];
         Fate flux = {0}, way = {0};
         if (light->kind != LIGHT_POINT || n > REPORT_MOST) continue;
-        if (!follow(compiled, light, &flux)) return; /* no memory for a warning: what needs more will say so */
+        if (!follow(finder, light, &flux)) return; /* no memory for a warning: what needs more will say so */
         bool loses = flux.lost > worth_a_word * flux.all;
-        if (!loses && n_places > 0 && !follow_to(compiled, light, view, step, &way)) return;
+        if (!loses && n_places > 0 && !follow_to(finder, light, view, step, &way)) return;
         double part = n_places > 0 ? way.lost * step / view->n_lines : 0;
         if ((!loses && !(part > worth_a_word_in_picture)) || ++n > REPORT_MOST) continue;
         if (loses)
@@ -180,4 +186,16 @@ void report_lost_lights(const CompiledScene *compiled, const ReportView *view, D
     }
     if (n > REPORT_MOST)
         diag_report_nowhere(diag, D_LOST_LIGHT, "and more lights without size shine through what bends their light");
+}
+
+void report_lost_lights(const CompiledScene *compiled, const ReportView *view, Diag *diag)
+{
+    const Scene *scene = compiled->scene;
+    uint32_t n_points = 0, n_places = view ? view->n : 0;
+    for (uint32_t i = 0; i < scene->n_lights; i++) n_points += scene->lights[i].kind == LIGHT_POINT;
+    uint32_t step = 1 + (uint32_t)((uint64_t)n_points * n_places / LINES_TO_PLACES);
+    Finder finder = {.compiled = compiled};
+    if (!n_points || !compiled->n_hulls || slabs_find(compiled, &finder.slabs, NULL) != STATUS_OK) return;
+    report_each(&finder, view, step, diag);
+    slabs_clear(&finder.slabs);
 }

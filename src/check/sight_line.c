@@ -96,7 +96,9 @@ static bool add_step(const CompiledScene *compiled, Hit *hits, size_t n, NestLis
                                          .from = crossing.medium_from,
                                          .to = crossing.medium_to,
                                          .top = crossing.owner_to,
-                                         .entering = first->entering};
+                                         .entering = first->entering,
+                                         .operand = first->object,
+                                         .normal = first->normal};
     return true;
 }
 

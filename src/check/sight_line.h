@@ -24,6 +24,8 @@ typedef struct SightStep {
     uint32_t from, to; /* media that own the line before and behind */
     uint32_t top;      /* SIGHT_SILENT: the hull on top */
     bool entering;     /* the first object is entered */
+    uint32_t operand;  /* the same, or what of that combination has the surface; */
+    Vec3f normal;      /* outward there */
 } SightStep;
 
 typedef struct SightLine {

@@ -9,34 +9,34 @@
 /* Faces are parallel whose normals are so near to each other: meshes have their corners in float. */
 static const double parallel = 1 - 1e-8;
 
-/* A part of a body's surface: its area along its normal. */
-typedef struct Patch {
-    Vec3 area;
-    bool flat;
-} Patch;
-
 /* What is known of a shape's surface, as a map makes it. */
 typedef struct Faces {
     const SceneShape *shape;
-    const Affine *map;
+    const Affine *map; /* NULL: none */
     Vec3 axes[SLAB_AXES];
     double towards[SLAB_AXES], against[SLAB_AXES]; /* areas */
     uint32_t n;
-    double area;   /* of all, */
-    Patch largest; /* and the largest flat patch that looks along none of the axes */
+    double area;  /* of all, */
+    Vec3 largest; /* and the largest flat part that looks along none of the axes, as its area along its normal */
 } Faces;
 
-static void add_patch(Faces *faces, const Patch *patch)
+static Vec3 in_map(const Faces *faces, Vec3 area)
 {
-    double area = vec3_length(patch->area);
+    return faces->map ? affine_area(faces->map, area) : area;
+}
+
+/* A part of a body's surface, by its area along its normal. */
+static void add_flat(Faces *faces, Vec3 flat)
+{
+    double area = vec3_length(flat);
     faces->area += area;
-    for (uint32_t i = 0; patch->flat && i < faces->n; i++) {
-        double along = vec3_dot(patch->area, faces->axes[i]);
+    for (uint32_t i = 0; i < faces->n; i++) {
+        double along = vec3_dot(flat, faces->axes[i]);
         if (fabs(along) < parallel * area) continue;
         *(along > 0 ? &faces->towards[i] : &faces->against[i]) += area;
         return;
     }
-    if (patch->flat && area > vec3_length(faces->largest.area)) faces->largest = *patch;
+    if (area > vec3_length(faces->largest)) faces->largest = flat;
 }
 
 static void add_mesh(Faces *faces, const Mesh *mesh)
@@ -45,7 +45,7 @@ static void add_mesh(Faces *faces, const Mesh *mesh)
         Vec3 corner[3];
         for (int k = 0; k < 3; k++) corner[k] = vec3_from_f(mesh->positions[mesh->triangles[i][k]]);
         Vec3 area = vec3_scale(vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0])), 0.5);
-        add_patch(faces, &(Patch){affine_area(faces->map, area), true});
+        add_flat(faces, in_map(faces, area));
     }
 }
 
@@ -54,17 +54,30 @@ static bool is_flat(const Piece *piece)
     return piece->kind == PIECE_BAND && piece->y0 == piece->y1;
 }
 
-static void add_solid(Faces *faces, const Solid *solid)
+/* Of what is curved, only an uneven map needs to know where it looks. */
+static void add_curved(Faces *faces, const Piece *piece)
 {
     enum { PARTS = 8 };
+    const double area = piece_area(piece), part = area / (PARTS * PARTS);
+    if (!faces->map) faces->area += area;
+    for (int k = 0; k < PARTS * PARTS && faces->map; k++) {
+        Vec3 normal;
+        (void)piece_sample(piece, (k % PARTS + 0.5) / PARTS, (k / PARTS + 0.5) / PARTS, &normal);
+        faces->area += vec3_length(affine_area(faces->map, vec3_scale(normal, part)));
+    }
+}
+
+static void add_solid(Faces *faces, const Solid *solid)
+{
     for (uint32_t i = 0; i < solid->n_pieces; i++) {
         const Piece *piece = &solid->pieces[i];
-        const double part = piece_area(piece) / (PARTS * PARTS);
-        for (int k = 0; k < PARTS * PARTS; k++) {
-            Vec3 normal;
-            (void)piece_sample(piece, (k % PARTS + 0.5) / PARTS, (k / PARTS + 0.5) / PARTS, &normal);
-            add_patch(faces, &(Patch){affine_area(faces->map, vec3_scale(normal, part)), is_flat(piece)});
+        Vec3 normal;
+        if (!is_flat(piece)) {
+            add_curved(faces, piece);
+            continue;
         }
+        (void)piece_sample(piece, 0.5, 0.5, &normal);
+        add_flat(faces, in_map(faces, vec3_scale(normal, piece_area(piece))));
     }
 }
 
@@ -72,7 +85,7 @@ static void add_solid(Faces *faces, const Solid *solid)
 static void add_surface(Faces *faces)
 {
     faces->area = 0;
-    faces->largest.area = vec3(0, 0, 0);
+    faces->largest = vec3(0, 0, 0);
     for (uint32_t i = 0; i < SLAB_AXES; i++) faces->towards[i] = faces->against[i] = 0;
     if (faces->shape->mesh)
         add_mesh(faces, faces->shape->mesh);
@@ -88,9 +101,9 @@ static bool is_slab(const SceneShape *shape, const Affine *map, SlabAxes *slab)
     double paired = 0;
     slab->n = 0;
     add_surface(&faces);
-    while (faces.n < SLAB_AXES && vec3_length(faces.largest.area) > 0) {
+    while (faces.n < SLAB_AXES && vec3_length(faces.largest) > 0) {
         uint32_t i = faces.n++;
-        faces.axes[i] = vec3_normalize(faces.largest.area);
+        faces.axes[i] = vec3_normalize(faces.largest);
         add_surface(&faces);
         double pair = 2 * fmin(faces.towards[i], faces.against[i]);
         if (pair < least * faces.area) break;
@@ -124,12 +137,11 @@ static bool find_slab(Finder *finder, const SceneObject *object, SlabAxes *slab)
 {
     enum { FEW = 256 };
     const SceneShape *shape = &finder->compiled->scene->shapes[object->shape];
-    const Affine own = affine_identity();
     SlabAxes *known = &finder->of_shape[object->shape];
     if (!may_be_slab(shape)) return false;
     bool few = !shape->mesh || shape->mesh->n_triangles <= FEW;
     if (few && !(affine_even_scale(&object->to_world, 1e-9) > 0)) return is_slab(shape, &object->to_world, slab);
-    if (!finder->shape_known[object->shape] && !is_slab(shape, &own, known)) known->n = 0;
+    if (!finder->shape_known[object->shape] && !is_slab(shape, NULL, known)) known->n = 0;
     finder->shape_known[object->shape] = true;
     slab->n = known->n;
     for (uint32_t i = 0; i < known->n; i++)
@@ -219,18 +231,22 @@ void slabs_clear(Slabs *slabs)
     *slabs = (Slabs){0};
 }
 
-static bool comes_to(Box3 box, Vec3 from, Vec3 direction)
+/* Whether a line between two points may come to a box: not if both are beside it, to the same side. */
+static bool may_come_to(const Box3 *box, Vec3 from, Vec3 to)
 {
-    double enter, leave;
-    return box3_cut(&box, from, direction, &enter, &leave) && leave > 0;
+    return (from.x < box->max.x || to.x < box->max.x) && (from.x > box->min.x || to.x > box->min.x) &&
+           (from.y < box->max.y || to.y < box->max.y) && (from.y > box->min.y || to.y > box->min.y) &&
+           (from.z < box->max.z || to.z < box->max.z) && (from.z > box->min.z || to.z > box->min.z);
 }
 
-bool slabs_are_on_way(const Slabs *slabs, Vec3 from, Vec3f direction)
+bool slabs_are_on_way(const Slabs *slabs, Vec3 from, Vec3f direction, double distance)
 {
     enum { MOST = 32 }; /* of more the box around all of them tells */
-    const Vec3 d = vec3_from_f(direction);
-    if (!slabs->n_boxes || !comes_to(slabs->bounds, from, d)) return false;
-    bool any = slabs->n_boxes > MOST;
-    for (uint32_t i = 0; i < slabs->n_boxes && !any; i++) any = comes_to(slabs->boxes[i], from, d);
+    const Vec3 d = vec3_from_f(direction), to = vec3_along(from, double_min(distance, 1e30), d);
+    double enter, leave;
+    if (!slabs->n_boxes || !may_come_to(&slabs->bounds, from, to)) return false;
+    bool any = slabs->n_boxes > MOST && box3_cut(&slabs->bounds, from, d, &enter, &leave);
+    for (uint32_t i = 0; i < slabs->n_boxes && slabs->n_boxes <= MOST && !any; i++)
+        any = may_come_to(&slabs->boxes[i], from, to) && box3_cut(&slabs->boxes[i], from, d, &enter, &leave);
     return any;
 }

@@ -1,7 +1,7 @@
 /* slabs.h - bodies with parallel faces: window panes, table tops, blocks of glass.
  *
- * Light of the sky and of the sun leaves them in the direction in which it came. So a look for such light goes on through them
- * (slab_look.h), where at any other boundary it ends.
+ * Light of the sky and of the sun leaves them in the direction in which it came, and the way of a lamp's light through flat faces is
+ * known in closed form. So looks for light go on through them (slab_look.h, slab_lamp.h), where at any other boundary they end.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_SLABS_H
 #define MEN_SLABS_H
@@ -29,18 +29,20 @@ typedef struct Slabs {
 ATTR_NODISCARD Status slabs_find(const CompiledScene *compiled, Slabs *slabs, Error *error);
 void slabs_clear(Slabs *slabs);
 
-/* Whether a surface that was met is one of a slab's parallel faces. */
-static inline bool slabs_have_face(const Slabs *slabs, const Hit *hit)
+/* Which of a slab's parallel faces an object's surface is where it has that normal, of all of the scene: a number of its own; 0: none. */
+static inline uint64_t slabs_face(const Slabs *slabs, uint32_t object, Vec3f normal)
 {
     const float parallel = 1 - 1e-6f;
-    uint32_t number = slabs->of_object[hit->object];
-    if (number == SCENE_NONE) return false;
+    uint32_t number = slabs->of_object[object];
+    if (number == SCENE_NONE) return 0;
     const SlabAxes *slab = &slabs->items[number];
-    for (uint32_t i = 0; i < slab->n; i++)
-        if (fabsf(vec3f_dot(slab->axes[i], hit->normal)) > parallel) return true;
-    return false;
+    for (uint32_t i = 0; i < slab->n; i++) {
+        float along = vec3f_dot(slab->axes[i], normal);
+        if (fabsf(along) > parallel) return 1 + 2 * ((uint64_t)object * SLAB_AXES + i) + (along > 0);
+    }
+    return 0;
 }
-/* Whether a line from outside may come to any of them. */
-bool slabs_are_on_way(const Slabs *slabs, Vec3 from, Vec3f direction);
+/* Whether a line from outside may come to any of them, within a distance. */
+bool slabs_are_on_way(const Slabs *slabs, Vec3 from, Vec3f direction, double distance);
 
 #endif

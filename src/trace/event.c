@@ -52,13 +52,14 @@ static bool media_differ(Path *path, uint32_t a, uint32_t b)
     return a != b && !lanes_equal(path_ior(path, a), path_ior(path, b));
 }
 
-/* The hit of several at one place that stands for the boundary: crossing them one after another, the one at which the
- * medium last becomes what it is behind them all, or where an opaque combination begins. */
-static const Hit *boundary_hit_of_several(Tracer *tracer, size_t n, const NestCrossing *crossing)
+/* Crossing the hits of several at one place one after another, the one at which the medium last becomes what it is behind them all, or
+ * where an opaque combination begins. */
+static const Hit *boundary_hit_of_several(Tracer *tracer, const NestList *before, const Hit *hits, size_t n,
+                                          const NestCrossing *crossing)
 {
     const CompiledScene *compiled = tracer->world->compiled;
-    const Hit *hits = tracer->hits.items, *best = &hits[0];
-    if (nest_list_copy(&tracer->shadow_list, &tracer->list) != STATUS_OK) return best;
+    const Hit *best = &hits[0];
+    if (nest_list_copy(&tracer->shadow_list, before) != STATUS_OK) return best;
     for (size_t i = 0; i < n; i++) {
         NestPass pass = {compiled->hull_of_object[hits[i].object], hits[i].entering};
         NestCrossing step;
@@ -70,9 +71,10 @@ static const Hit *boundary_hit_of_several(Tracer *tracer, size_t n, const NestCr
     return best;
 }
 
-static inline const Hit *boundary_hit(Tracer *tracer, size_t n, const NestCrossing *crossing)
+const Hit *path_boundary_hit(Tracer *tracer, const NestList *before, const Hit *hits, size_t n,
+                             const NestCrossing *crossing)
 {
-    return LIKELY(n == 1) ? tracer->hits.items : boundary_hit_of_several(tracer, n, crossing);
+    return LIKELY(n == 1) ? hits : boundary_hit_of_several(tracer, before, hits, n, crossing);
 }
 
 /* The level of the hull whose boundary a surface is; 0: none that owns a point. */
@@ -405,11 +407,11 @@ void path_next_event(Path *path, Event *event)
         if (event->kind != EVENT_BOUNDARY) break;
         if (event->crossing.opaque) {
             event->kind = EVENT_OPAQUE;
-            event->hit = *boundary_hit(tracer, n, &event->crossing);
+            event->hit = *path_boundary_hit(tracer, &tracer->list, hits, n, &event->crossing);
             break;
         }
         if (media_differ(path, event->crossing.medium_from, event->crossing.medium_to)) {
-            event->hit = *boundary_hit(tracer, n, &event->crossing);
+            event->hit = *path_boundary_hit(tracer, &tracer->list, hits, n, &event->crossing);
             break;
         }
         if (UNLIKELY(world->has_paint)) {

@@ -64,6 +64,9 @@ void path_turn_back(Tracer *tracer);
 bool path_cross(Tracer *tracer, NestList *list, const Hit *hits, size_t n, NestCrossing *crossing);
 /* tracer->next becomes the list behind the event's surfaces, from tracer->list on; false when memory ends, which the tracer is told. */
 bool path_cross_into_next(Tracer *tracer, const Event *event);
+/* The one of the hits at one place that stands for a boundary there, or for an opaque surface of hulls; before: the list in front. */
+const Hit *path_boundary_hit(Tracer *tracer, const NestList *before, const Hit *hits, size_t n,
+                             const NestCrossing *crossing);
 /* Follows the path's ray through silent crossings to its next event. Absorption goes into beta. At a boundary
  * tracer->list is the list before it; event->behind says what leads to the one behind it, and path_go_behind and path_copy_behind
  * make that. */

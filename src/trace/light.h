@@ -18,7 +18,8 @@ typedef struct LightSample {
     bool delta;         /* a light without size: no direction finds it by chance, and pdf_w is that of its choice */
     bool of_sky;        /* from the environment, whose radiance is left for light_sample_radiance */
     EnvironmentPlace sky;
-    Lanes radiance; /* actual radiance in the light's own medium; of a delta light its irradiance from there */
+    const Lanes *arrives; /* NULL, or what is known to arrive of it, as basic radiance: see slab_lamp.h */
+    Lanes radiance;       /* actual radiance in the light's own medium; of a delta light its irradiance from there */
 } LightSample;
 
 /* How far to look for what hides a place on a light's surface, which is met at that cosine. The direction is rounded to float, so

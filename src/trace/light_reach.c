@@ -87,13 +87,12 @@ static Status find_in_world(const World *world, bool *found, Error *error)
     return STATUS_OK;
 }
 
-Status light_reach_find(World *world, Error *error)
+/* Straight. */
+static Status find_straight(World *world, Error *error)
 {
     const CompiledScene *compiled = world->compiled;
     uint32_t n = world->scene->n_media;
     NestPolicy policy = compiled->order.policy;
-    world->reach = malloc(n);
-    if (!world->reach) return fail_memory(error, n, "lights");
     memset(world->reach, REACH_FAR | REACH_NEAR, n);
     if ((policy != NEST_AUTOMATIC && policy != NEST_PRIORITY) || n > MOST_MEDIA ||
         (double)compiled->n_hulls * world->emitters.n > most_pairs)
@@ -108,5 +107,28 @@ Status light_reach_find(World *world, Error *error)
             if ((far[k] || near[k]) && !compiled_indices_differ(world->scene, m, k))
                 world->reach[m] |= (uint8_t)((far[k] ? REACH_FAR : 0) | (near[k] ? REACH_NEAR : 0));
     }
+    return STATUS_OK;
+}
+
+/* Lamps may be seen from within whatever has flat faces. */
+static void find_through(World *world)
+{
+    const CompiledScene *compiled = world->compiled;
+    memcpy(world->reach_through, world->reach, world->scene->n_media);
+    for (uint32_t i = 0; i < world->scene->n_objects && world->slabs.n && world->emitters.n; i++) {
+        if (world->slabs.of_object[i] == SCENE_NONE) continue;
+        uint32_t medium = compiled->order.top[compiled_hull(compiled, i)].medium;
+        if (medium < world->scene->n_media) world->reach_through[medium] |= REACH_NEAR;
+    }
+}
+
+Status light_reach_find(World *world, Error *error)
+{
+    uint32_t n = world->scene->n_media;
+    world->reach = malloc(n);
+    world->reach_through = malloc(n);
+    if (!world->reach || !world->reach_through) return fail_memory(error, n, "lights");
+    TRY(find_straight(world, error));
+    find_through(world);
     return STATUS_OK;
 }

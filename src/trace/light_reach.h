@@ -9,10 +9,10 @@
 
 #include "trace/world.h"
 
-/* Sets world->reach: of each medium REACH_FAR, REACH_NEAR, both or neither. What may come is told apart by bounds, so that
+/* Sets world->reach and reach_through: of each medium REACH_FAR, REACH_NEAR, both or neither. What may come is told apart by bounds, so that
  * nothing is left out that could be found; but whether any of the lights nearby stands in the world's own medium, by
- * some places of each: should none of these, but some other place be there, it is found by chance. World's lights are
- * to be known. STATUS_NOMEM. */
+ * some places of each: should none of these, but some other place be there, it is found by chance. World's lights
+ * and slabs are to be known. STATUS_NOMEM. */
 ATTR_NODISCARD Status light_reach_find(World *world, Error *error);
 
 #endif

@@ -8,7 +8,7 @@
 #include "trace/event.h"
 #include "trace/photon_start.h"
 #include "trace/shade.h"
-#include "trace/slab_look.h"
+#include "trace/slab_lamp.h"
 
 /* Boundaries and mirrors that a photon is followed through. */
 enum { MOST_EVENTS = 64 };
@@ -31,9 +31,17 @@ static void land(const Path *path, const Event *event, float flux, Photon *photo
     if (isfinite(carried) && carried > 0) photon->flux = carried;
 }
 
-/* Follows a photon to where it ends; false: to no place of use. far: its light is infinitely far. */
-static bool follow_photon(Path *path, bool far, float flux, Photon *photon)
+/* Whether looks find what comes through slabs as the photon did. */
+static bool is_looked_at(const Path *path, const LightSample *light, const Ray *begin, const Photon *photon)
 {
+    if (!isfinite(light->distance)) return slab_keeps_direction(path);
+    return slab_lamp_is_looked_at(path, light->emitter, begin, vec3_from_f(photon->position));
+}
+
+/* Follows a photon from a light to where it ends; false: to no place of use. */
+static bool follow_photon(Path *path, const LightSample *light, float flux, Photon *photon)
+{
+    const Ray begin = path->ray;
     const Scene *scene = path->tracer->world->scene;
     bool bent = false;
     uint64_t way = 0;
@@ -44,7 +52,10 @@ static bool follow_photon(Path *path, bool far, float flux, Photon *photon)
         land(path, &event, flux, photon);
         if (!(photon->flux > 1e-6f * flux)) return false;
         bool goes_on = false, straight = false;
-        const bool was_bent = bent || (path_is_in_slabs(path) && !(far && slab_keeps_direction(path)));
+        const bool at_slab =
+            event.kind == EVENT_BOUNDARY && slabs_face(&path->tracer->world->slabs, event.hit.object, event.hit.normal);
+        const bool was_bent =
+            bent || (path_is_in_slabs(path) && (at_slab || !is_looked_at(path, light, &begin, photon)));
         Vec3f before = path->ray.direction;
         if (event.kind == EVENT_BOUNDARY) {
             goes_on = path_cross_boundary(path, &event) && path_went_straight(path);
@@ -124,7 +135,7 @@ static bool follow_other(Job *job, Tracer *tracer, uint32_t number, const Photon
     if (more_color != 0) lanes_set(&path.wavelengths.nm, 0, guide_wavelength(guide_color(nm) + (float)more_color));
     if (!photon_leave_light(&path, start)) return false;
     path.bounce = 1;
-    return follow_photon(&path, !isfinite(start->light.distance), 1, photon) && photon->way == way;
+    return follow_photon(&path, &start->light, 1, photon) && photon->way == way;
 }
 
 /* more_color: by how much the other's colour is another one; 0: it is its start. */
@@ -347,7 +358,7 @@ static void trace_batch(void *context, uint32_t batch, unsigned worker)
         if (is_stopped(job)) continue;
         if (!start_photon(job, &job->tracers[worker], number, &path, &start)) continue;
         float radiance = lanes_mean(start.light.radiance);
-        if (follow_photon(&path, !isfinite(start.light.distance), radiance * start.flux_times_n, photon)) {
+        if (follow_photon(&path, &start.light, radiance * start.flux_times_n, photon)) {
             photon->radiance = radiance;
             photon->more = start.more;
             photon->number = number;

@@ -72,7 +72,7 @@ static Status start_list(const Path *path, const Event *event, const SurfacePlac
     return path_copy_behind(tracer, event, list);
 }
 
-void path_send_probe(Path *path, const GuideAt *guide, Event *event, const SurfacePlace *place, const ProbeWay *way)
+void path_send_probe(Path *path, const GuideAt *guide, const LookPlace *from, const ProbeWay *way)
 {
     Tracer *tracer = path->tracer, *prober;
     if (!(way->pdf_w > 0)) return;
@@ -81,14 +81,17 @@ void path_send_probe(Path *path, const GuideAt *guide, Event *event, const Surfa
     Path probe = *path;
     probe.tracer = prober;
     probe.fork = NULL;
-    path_start_ray(path, event, place, way->through, way->direction, &probe.ray);
-    if (start_list(path, event, place, way->through, &probe.ray, &prober->list) != STATUS_OK) {
+    path_start_ray(path, from->event, from->place, way->through, way->direction, &probe.ray);
+    if (start_list(path, from->event, from->place, way->through, &probe.ray, &prober->list) != STATUS_OK) {
         tracer->out_of_memory = true;
         return;
     }
     probe.beta = lanes_mul(path->beta, lanes_scale(way->scattered, 1 / way->pdf_w));
     probe.radiance = lanes_all(0);
     probe.scatter_pdf = -1;
+    probe.scatter_point = from->place->position;
+    probe.scatter_normal = from->normal;
+    probe.scatter_lights = from->choices;
     probe.from.rarity = 0;
     probe.looks = false;
     probe.decision = (Decision){.left = 0};

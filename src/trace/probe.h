@@ -41,8 +41,8 @@ typedef struct ProbeWay {
     Lanes scattered; /* from that direction towards the path, times the cosine */
     float pdf_w;     /* per steradian, the density of it by the path's own choice, as a mean of the wavelengths */
 } ProbeWay;
-/* Sends it, from the event's surfaces or from a place in a medium (event NULL; the place is apart). */
-void path_send_probe(Path *path, const GuideAt *guide, Event *event, const SurfacePlace *place, const ProbeWay *way);
+/* Sends it from where lights are looked at, too. */
+void path_send_probe(Path *path, const GuideAt *guide, const LookPlace *from, const ProbeWay *way);
 /* The path goes on from a place where it was scattered, in a direction of that density. */
 static inline void path_leave_guide(Path *path, const GuideAt *guide, Vec3f direction, float pdf_w)
 {

@@ -10,7 +10,7 @@
 #include "trace/probe.h"
 #include "trace/shade_bsdf.h"
 #include "trace/shaft.h"
-#include "trace/slab_look.h"
+#include "trace/slab_lamp.h"
 #include "trace/texture_shade.h"
 
 Lanes path_basic_radiance(const World *world, Lanes radiance, uint32_t medium, Lanes wavelength_nm)
@@ -137,6 +137,13 @@ void path_choose_light(const Path *path, const LightChoices *choices, Vec3 from,
     light_sample(path->tracer->world, choices, &query, light);
 }
 
+void path_look_at_light(Path *path, const LookPlace *from, LightLooks *looks)
+{
+    path_choose_light(path, from->choices, from->place->position, from->normal, &looks->lights[0]);
+    looks->n = 1;
+    if (UNLIKELY(path->tracer->world->slabs.n)) slab_look_at_lamp(path, from, looks);
+}
+
 bool path_sees(Path *path, Ray *ray, Lanes *transmittance, uint32_t *medium_at_light)
 {
     if (path_shadow(path, ray, transmittance, medium_at_light)) return true;
@@ -147,6 +154,10 @@ bool path_sees(Path *path, Ray *ray, Lanes *transmittance, uint32_t *medium_at_l
 bool path_light_arrives(Path *path, const LightSample *light, Ray *ray, Lanes *basic)
 {
     const World *world = path->tracer->world;
+    if (UNLIKELY(light->arrives)) {
+        *basic = *light->arrives;
+        return true;
+    }
     ray->t_max = light->distance;
     ray->target = light->object;
     ray->target_primitive = light->primitive;
@@ -166,7 +177,8 @@ void path_add_direct_light(Path *path, const LightSample *light, Ray *ray, Lanes
 {
     Lanes basic;
     if (!path_light_arrives(path, light, ray, &basic)) return;
-    float others = (light->delta ? 0 : pdf_w) + airlight_rival_sample(path, light);
+    float others = light->delta ? 0 : pdf_w;
+    if (LIKELY(!light->arrives)) others += airlight_rival_sample(path, light); /* which looks straight */
     float weight = sampling_balance(light->pdf_w, others);
     path_add_radiance(path, lanes_scale(scattered, weight / light->pdf_w), basic);
 }
@@ -180,19 +192,23 @@ static float diffuse_pdf(const SurfacePlace *place, Vec3f direction)
     return (cosine + folded) / SAMPLING_PI;
 }
 
-/* Light that a diffuse surface gets straight from a light source. */
-static void light_diffuse(Path *path, Event *event, const SurfacePlace *place, Lanes albedo)
+/* Light that a diffuse surface gets from a light source. */
+static void add_light_diffuse(Path *path, const LookPlace *from, Lanes albedo, const LightSample *light)
 {
-    path->scatter_lights = path_lights(path, event->n_cluster > 1);
-    LightSample light;
-    path_choose_light(path, path->scatter_lights, place->position, place->geometric, &light);
-    if (!(light.pdf_w > 0)) return;
-    if (!(vec3f_dot(light.direction, place->geometric) > 0)) return;
-    float diffuse = diffuse_pdf(place, light.direction);
+    const SurfacePlace *place = from->place;
+    if (!(light->pdf_w > 0) || !(vec3f_dot(light->direction, place->geometric) > 0)) return;
+    float diffuse = diffuse_pdf(place, light->direction);
     if (!(diffuse > 0)) return;
     Ray ray;
-    path_start_ray(path, event, place, false, light.direction, &ray);
-    path_add_direct_light(path, &light, &ray, lanes_scale(albedo, diffuse), diffuse);
+    path_start_ray(path, from->event, place, false, light->direction, &ray);
+    path_add_direct_light(path, light, &ray, lanes_scale(albedo, diffuse), diffuse);
+}
+
+static void light_diffuse(Path *path, const LookPlace *from, Lanes albedo)
+{
+    LightLooks looks;
+    path_look_at_light(path, from, &looks);
+    for (uint32_t i = 0; i < looks.n; i++) add_light_diffuse(path, from, albedo, &looks.lights[i]);
 }
 
 /* A direction chosen by the hero's density: others would have chosen it more often, or less. */
@@ -213,14 +229,18 @@ void path_scatter_in_medium(Path *path, const Event *event)
     path->scatter_normal = vec3f(0, 0, 0);
     path->from = path->way;
     path->scatter_lights = path_lights(path, false);
-    LightSample light;
-    path_choose_light(path, path->scatter_lights, position, vec3f(0, 0, 0), &light);
-    if (light.pdf_w > 0) {
-        Lanes pdf = phase_evaluate(phase, along, light.direction, path->wavelengths.nm);
+    const SurfacePlace place = {.position = position, .apart = true};
+    LightLooks looks;
+    const LookPlace from = {NULL, &place, path->scatter_lights, vec3f(0, 0, 0)};
+    path_look_at_light(path, &from, &looks);
+    for (uint32_t i = 0; i < looks.n; i++) {
+        const LightSample *light = &looks.lights[i];
+        if (!(light->pdf_w > 0)) continue;
+        Lanes pdf = phase_evaluate(phase, along, light->direction, path->wavelengths.nm);
         Ray ray;
-        ray_begin(&ray, position, light.direction);
+        ray_begin(&ray, position, light->direction);
         ray.time = path->ray.time;
-        path_add_direct_light(path, &light, &ray, pdf, path_phase_density(path, phase, pdf));
+        path_add_direct_light(path, light, &ray, pdf, path_phase_density(path, phase, pdf));
     }
     float u[2];
     double time = path->ray.time;
@@ -230,9 +250,8 @@ void path_scatter_in_medium(Path *path, const Event *event)
     Vec3f direction;
     if (UNLIKELY(path_ask_guide(path, &guide, &direction))) {
         Lanes pdf = phase_evaluate(phase, along, direction, path->wavelengths.nm);
-        const SurfacePlace place = {.position = position, .apart = true};
         const ProbeWay way = {direction, false, pdf, path_phase_density(path, phase, pdf)};
-        path_send_probe(path, &guide, NULL, &place, &way);
+        path_send_probe(path, &guide, &from, &way);
     }
     Lanes pdf;
     direction = phase_sample(phase, along, u, path->wavelengths.nm, &pdf);
@@ -316,8 +335,11 @@ void path_add_emission(Path *path, const Hit *hit)
             light_pdf_hit(world, path->scatter_lights, path->scatter_point, path->scatter_normal, &path->ray, hit);
         weight = sampling_balance(path->scatter_pdf, pdf + airlight_rival_hit(path, hit, pdf));
     }
+    if (UNLIKELY(path_is_in_slabs(path)))
+        weight = slab_weigh_lamp(path, hit, lanes_mean(radiance));
+    else
+        weight *= path_found_part(path, lanes_mean(radiance));
     uint32_t medium = nest_medium(&path->tracer->list);
-    weight *= path_found_part(path, lanes_mean(radiance));
     path_add_radiance(path, lanes_all(weight), path_basic_radiance(world, radiance, medium, path->wavelengths.nm));
 }
 
@@ -348,7 +370,9 @@ bool path_shade_opaque(Path *path, Event *event)
     }
     if (UNLIKELY(path->probing.is_probe)) return false;
     Lanes albedo = spectrum_at(spec == &textured ? &spec->base_color : &surface->albedo, path->wavelengths.nm);
-    if (LIKELY(!path->is_photon)) light_diffuse(path, event, &place, albedo);
+    path->scatter_lights = path_lights(path, event->n_cluster > 1);
+    const LookPlace from = {event, &place, path->scatter_lights, place.geometric};
+    if (LIKELY(!path->is_photon)) light_diffuse(path, &from, albedo);
 
     float u[2];
     sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_SCATTER), u);
@@ -356,7 +380,7 @@ bool path_shade_opaque(Path *path, Event *event)
     GuideAt guide = path_guide(path, ray_point(&path->ray, event->hit.t), false);
     if (UNLIKELY(path_ask_guide(path, &guide, &direction)) && vec3f_dot(direction, place.geometric) > 0) {
         float pdf_w = diffuse_pdf(&place, direction);
-        path_send_probe(path, &guide, event, &place, &(ProbeWay){direction, false, lanes_scale(albedo, pdf_w), pdf_w});
+        path_send_probe(path, &guide, &from, &(ProbeWay){direction, false, lanes_scale(albedo, pdf_w), pdf_w});
     }
     direction = sampling_cosine_hemisphere(u[0], u[1], place.normal, &path->scatter_pdf);
     if (!(vec3f_dot(direction, place.geometric) > 0)) direction = path_mirror(&place, direction);

@@ -31,8 +31,21 @@ void path_choose_light(const Path *path, const LightChoices *choices, Vec3 from,
 static inline const LightChoices *path_lights(const Path *path, bool any)
 {
     const World *world = path->tracer->world;
-    return any ? world_lights(world) : world_lights_in(world, nest_medium(&path->tracer->list));
+    return any ? world_lights(world) : world_lights_through(world, nest_medium(&path->tracer->list));
 }
+/* Where light is looked for; looks at one of the lights there, each of which counts by its own density. See slab_lamp.h. */
+typedef struct LookPlace {
+    Event *event; /* NULL: in a medium; the place is apart then */
+    const SurfacePlace *place;
+    const LightChoices *choices;
+    Vec3f normal; /* as LightQuery's */
+} LookPlace;
+typedef struct LightLooks {
+    LightSample lights[2];
+    uint32_t n;
+    Lanes arrives[2]; /* what lights[i].arrives is, where it is any */
+} LightLooks;
+void path_look_at_light(Path *path, const LookPlace *from, LightLooks *looks);
 /* As path_shadow; of light from infinity (t_max) what comes through bodies with parallel faces, too: see slab_look.h. */
 bool path_sees(Path *path, Ray *ray, Lanes *transmittance, uint32_t *medium_at_light);
 /* What comes straight along the ray from a light, as basic radiance; false: nothing. The ray becomes aimed at the light. */

@@ -61,13 +61,9 @@ static void evaluate(const Bsdf *bsdf, const SurfacePlace *place, const Frame *f
     *pdf_w = lanes_add(*pdf_w, more_pdf);
 }
 
-/* keen: this is on the way from where the path was scattered last. *light, of pdf_w 0, becomes what was looked at. */
 static void add_light(Path *path, Event *event, const Bsdf *bsdf, const SurfacePlace *place, const Frame *frame,
-                      Vec3f view, bool keen, LightSample *light)
+                      Vec3f view, bool keen, const LightSample *light)
 {
-    if (bsdf->specular_only) return;
-    const LightChoices *lights = path_lights(path, bsdf->transmits || event->n_cluster > 1);
-    path_choose_light(path, lights, place->position, one_side(bsdf, place), light);
     if (!(light->pdf_w > 0)) return;
     Lanes f_cos, pdf_w;
     evaluate(bsdf, place, frame, view, light->direction, &f_cos, &pdf_w);
@@ -78,6 +74,16 @@ static void add_light(Path *path, Event *event, const Bsdf *bsdf, const SurfaceP
     if (keen) f_cos = lanes_scale(f_cos, path_found_part(path, INFINITY));
     path_add_direct_light(path, light, &ray, f_cos, path_mean_density(path, pdf_w));
     path->probing.found = false;
+}
+
+/* keen: this is on the way from where the path was scattered last. *looks, of pdf_w 0, become those that were sent. */
+static void look_at_light(Path *path, const LookPlace *from, const Bsdf *bsdf, const Frame *frame, Vec3f view,
+                          bool keen, LightLooks *looks)
+{
+    if (bsdf->specular_only) return;
+    path_look_at_light(path, from, looks);
+    for (uint32_t i = 0; i < looks->n; i++)
+        add_light(path, from->event, bsdf, from->place, frame, view, keen, &looks->lights[i]);
 }
 
 /* ---- light behind frosted glass ---- */
@@ -206,15 +212,17 @@ static bool passes_on(const Path *path, const Event *event, const Bsdf *bsdf, Gu
 }
 
 /* A probe in a direction that the guide has chosen. */
-static void send_probe(Path *path, const GuideAt *guide, Event *event, const Bsdf *bsdf, const SurfacePlace *place,
-                       const Frame *frame, Vec3f view, Vec3f direction)
+static void send_probe(Path *path, const GuideAt *guide, const LookPlace *from, const Bsdf *bsdf, const Frame *frame,
+                       Vec3f view, Vec3f direction)
 {
+    Event *event = from->event;
+    const SurfacePlace *place = from->place;
     Lanes f_cos, pdf_w;
     bool through = vec3f_dot(direction, place->geometric) < 0;
     evaluate(bsdf, place, frame, view, direction, &f_cos, &pdf_w);
     if (lanes_zero(f_cos) || (through && event->kind == EVENT_OPAQUE && !path_cross_into_next(path->tracer, event)))
         return;
-    path_send_probe(path, guide, event, place, &(ProbeWay){direction, through, f_cos, path_mean_density(path, pdf_w)});
+    path_send_probe(path, guide, from, &(ProbeWay){direction, through, f_cos, path_mean_density(path, pdf_w)});
 }
 
 /* A direction to go on in. *own_pdf: its density by the surface alone. false: into none. */
@@ -256,16 +264,18 @@ static bool scatter(Path *path, Event *event, Bsdf *bsdf, const SurfacePlace *pl
     Vec3f view = to_local(frame, vec3f_negate(path->ray.direction)), direction;
     bsdf_look(bsdf, view);
     GuideAt guide = {.share = 0};
+    const LightChoices *lights = path_lights(path, bsdf->transmits || event->n_cluster > 1);
+    const LookPlace from = {event, place, lights, one_side(bsdf, place)};
     const bool keen = passes_on(path, event, bsdf, &guide);
     if (keen)
         path->probing.bent |= !bsdf->specular_only;
     else if (UNLIKELY(path_ask_guide(path, &guide, &direction)))
-        send_probe(path, &guide, event, bsdf, place, frame, view, direction);
-    LightSample light;
-    light.pdf_w = 0;
-    if (LIKELY(keen || !path->probing.is_probe)) add_light(path, event, bsdf, place, frame, view, keen, &light);
+        send_probe(path, &guide, &from, bsdf, frame, view, direction);
+    LightLooks looks;
+    looks.lights[0].pdf_w = 0;
+    if (LIKELY(keen || !path->probing.is_probe)) look_at_light(path, &from, bsdf, frame, view, keen, &looks);
     Aim aim;
-    take_aim(path, event, bsdf, place, frame, keen, &light, &aim);
+    take_aim(path, event, bsdf, place, frame, keen, &looks.lights[0], &aim);
     BsdfSample sample;
     Lanes pdf_w;
     if (!choose_direction(path, bsdf, place, frame, view, &aim, &sample, &direction, &pdf_w) ||
@@ -282,8 +292,8 @@ static bool scatter(Path *path, Event *event, Bsdf *bsdf, const SurfacePlace *pl
     } else {
         path->scatter_pdf = sample.specular ? -1 : path_mean_density(path, pdf_w);
         path->scatter_point = place->position;
-        path->scatter_normal = one_side(bsdf, place);
-        path->scatter_lights = path_lights(path, bsdf->transmits || event->n_cluster > 1);
+        path->scatter_normal = from.normal;
+        path->scatter_lights = lights;
         if (keen || sample.specular)
             path->probing.bent = true;
         else

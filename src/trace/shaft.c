@@ -123,8 +123,8 @@ static void send_from(Path *path, const FreeFlight *flight, const ShaftPlace *pl
     Lanes pdf = phase_evaluate(place->phase, path->ray.direction, direction, path->wavelengths.nm);
     const ProbeWay way = {direction, false, pdf,
                           airlight_turn_density(&path->way, place->phase, place->coefficient, place->depth, pdf)};
-    const SurfacePlace from = {.position = ray_point(&path->ray, look->t), .apart = true};
-    path_send_probe(path, guide, NULL, &from, &way);
+    const SurfacePlace there = {.position = ray_point(&path->ray, look->t), .apart = true};
+    path_send_probe(path, guide, &(LookPlace){NULL, &there, path_lights(path, false), vec3f(0, 0, 0)}, &way);
     path->beta = beta;
     path->ratio = ratio;
     path->bounce = bounce;

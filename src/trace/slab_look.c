@@ -19,17 +19,22 @@ static bool is_as_outside(const Path *path, uint32_t medium)
 
 void slab_meet_face(Path *path, const Event *event, bool mirrored, float rarity)
 {
+    const float parallel = 1 - 1e-6f;
     SlabWay *way = &path->slab_way;
     if (!path_is_in_slabs(path)) {
-        if (!is_as_outside(path, event->crossing.medium_from)) return;
-        way->direction = path->ray.direction;
-        way->scatter_pdf = path->scatter_pdf;
-        way->rarity = rarity;
-        way->bent = path->probing.bent;
-        way->n_faces = way->n_mirrored = 0;
+        *way = (SlabWay){.outside = is_as_outside(path, event->crossing.medium_from),
+                         .to_and_fro = true,
+                         .first_face = ray_point(&path->ray, event->hit.t),
+                         .direction = path->ray.direction,
+                         .scatter_pdf = path->scatter_pdf,
+                         .rarity = rarity,
+                         .bent = path->probing.bent};
     }
     way->n_faces++;
-    way->n_mirrored += mirrored;
+    way->steps =
+        slab_step(way->steps, slabs_face(&path->tracer->world->slabs, event->hit.object, event->hit.normal), mirrored);
+    if (mirrored && !way->n_mirrored++) way->mirror = event->hit.normal;
+    if (mirrored) way->to_and_fro &= fabsf(vec3f_dot(way->mirror, event->hit.normal)) > parallel;
     bool goes_on = way->n_faces <= SLAB_FACES && way->n_mirrored <= SLAB_MIRRORED;
     way->bounce = goes_on ? path->bounce + 1 : SLAB_NOWHERE;
 }
@@ -44,35 +49,60 @@ static bool is_same_direction(Vec3f a, Vec3f b)
 
 bool slab_keeps_direction(const Path *path)
 {
-    return is_same_direction(path->ray.direction, path->slab_way.direction);
+    return path->slab_way.outside && is_same_direction(path->ray.direction, path->slab_way.direction);
 }
 
-void slab_leave_scene(Path *path)
+void slab_was_straight(Path *path)
 {
     const SlabWay *way = &path->slab_way;
-    if (!slab_keeps_direction(path)) return;
-    path->ray.direction = way->direction;
     path->scatter_pdf = way->scatter_pdf;
     path->from.rarity = way->rarity;
     path->probing.bent = way->bent;
 }
 
+void slab_leave_scene(Path *path)
+{
+    if (!slab_keeps_direction(path)) return;
+    path->ray.direction = path->slab_way.direction;
+    slab_was_straight(path);
+}
+
 /* ---- looks ---- */
 
-/* Where a look meets a face. */
-typedef struct Face {
-    SurfacePlace place;
-    Lanes reflectance;
-    Vec3f refracted;
-    bool passes;
-} Face;
+void slab_begin_look(const Path *path, Tracer *looker, int index_lane, Path *look)
+{
+    *look = *path;
+    look->tracer = looker;
+    look->straight = look->for_light = true;
+    look->looks = false;
+    look->index_lane = index_lane;
+    memset(look->media.ior_of, 0, sizeof look->media.ior_of);
+    look->fork = NULL;
+    look->bounce += FIRST_BOUNCE;
+    look->beta = look->ratio = lanes_all(1);
+}
 
-static bool meet_face(Path *look, const Event *event, Face *face)
+bool slab_look_at_face(Path *look, const Event *event, SlabFace *face)
 {
     face->place = path_place(look, event);
     if (!slab_is_face(look->tracer->world, event, &face->place)) return false;
-    face->passes = fresnel_refract(look->ray.direction, face->place.normal, path_ior(look, event->crossing.medium_from),
-                                   path_ior(look, event->crossing.medium_to), &face->reflectance, &face->refracted);
+    face->number = slabs_face(&look->tracer->world->slabs, event->hit.object, event->hit.normal);
+    face->eta_i = path_ior(look, event->crossing.medium_from);
+    face->eta_t = path_ior(look, event->crossing.medium_to);
+    face->passes = fresnel_refract(look->ray.direction, face->place.normal, face->eta_i, face->eta_t,
+                                   &face->reflectance, &face->refracted);
+    return true;
+}
+
+bool slab_cross_pane(Path *look, Event *event)
+{
+    Tracer *tracer = look->tracer;
+    if (!scene_is_pane(tracer->world->scene, event->hit.object)) return false;
+    SurfacePlace place = path_place(look, event);
+    look->beta = lanes_mul(look->beta, path_pass_panes(look, &look->ray, tracer->hits.items, event->n_cluster,
+                                                       nest_medium(&tracer->list)));
+    if (!path_cross_into_next(tracer, event)) return false;
+    path_leave(look, event, &place, true, look->ray.direction);
     return true;
 }
 
@@ -86,7 +116,7 @@ typedef struct Look {
 static Lanes follow(Look *look);
 
 /* What comes by being mirrored at a face: as often as it reflects, by a look of its own. */
-static Lanes follow_mirrored(const Look *look, const Event *event, const Face *face)
+static Lanes follow_mirrored(const Look *look, const Event *event, const SlabFace *face)
 {
     const Path *path = &look->path;
     float chosen = lanes_mean(face->reflectance);
@@ -112,19 +142,6 @@ static Lanes follow_mirrored(const Look *look, const Event *event, const Face *f
     return arrives;
 }
 
-/* A thin pane, or a hole in a sheet; false: it is none. */
-static bool cross_pane(Path *look, Event *event)
-{
-    Tracer *tracer = look->tracer;
-    if (!scene_is_pane(tracer->world->scene, event->hit.object)) return false;
-    SurfacePlace place = path_place(look, event);
-    look->beta = lanes_mul(look->beta, path_pass_panes(look, &look->ray, tracer->hits.items, event->n_cluster,
-                                                       nest_medium(&tracer->list)));
-    if (!path_cross_into_next(tracer, event)) return false;
-    path_leave(look, event, &place, true, look->ray.direction);
-    return true;
-}
-
 /* What arrives of light from infinity, by this look and all that it parts into. */
 static Lanes follow(Look *look)
 {
@@ -132,17 +149,18 @@ static Lanes follow(Look *look)
     Lanes arrives = lanes_all(0);
     for (; !lanes_zero(path->beta); path->bounce++) {
         Event event;
-        Face face;
+        SlabFace face;
         path_next_event(path, &event);
         if (event.kind == EVENT_LOST) path->tracer->out_of_memory = true;
         if (event.kind == EVENT_ESCAPE)
             return is_same_direction(path->ray.direction, look->wanted) ? lanes_add(arrives, path->beta) : arrives;
         if (event.kind == EVENT_SCATTER || path->n_counted++ >= path->tracer->world->max_bounces) break;
         if (event.kind == EVENT_OPAQUE) {
-            if (!cross_pane(path, &event)) break;
+            if (!slab_cross_pane(path, &event)) break;
             continue;
         }
-        if (event.kind != EVENT_BOUNDARY || ++look->n_faces > SLAB_FACES || !meet_face(path, &event, &face)) break;
+        if (event.kind != EVENT_BOUNDARY || ++look->n_faces > SLAB_FACES || !slab_look_at_face(path, &event, &face))
+            break;
         arrives = lanes_add(arrives, follow_mirrored(look, &event, &face));
         if (!face.passes) break;
         path->beta = lanes_mul(path->beta, lanes_rest(face.reflectance));
@@ -154,7 +172,7 @@ static Lanes follow(Look *look)
 bool slab_shadow(Path *path, const Ray *ray, Lanes *transmittance)
 {
     Tracer *tracer = path->tracer;
-    if (!slabs_are_on_way(&tracer->world->slabs, ray->origin, ray->direction)) return false;
+    if (!slabs_are_on_way(&tracer->world->slabs, ray->origin, ray->direction, HUGE_VAL)) return false;
     Tracer *looker = tracer_lend(tracer);
     if (!looker) return false;
     if (!path_cross_towards(tracer, ray, &looker->list)) {
@@ -162,17 +180,10 @@ bool slab_shadow(Path *path, const Ray *ray, Lanes *transmittance)
         return false;
     }
     if (!is_as_outside(path, nest_medium(&looker->list))) return false;
-    Look look = {.path = *path, .wanted = ray->direction};
-    look.path.tracer = looker;
+    Look look = {.wanted = ray->direction};
+    slab_begin_look(path, looker, -1, &look.path); /* each wavelength has its own, whichever the path takes for all */
     look.path.ray = *ray;
     look.path.ray.t_max = HUGE_VAL;
-    look.path.straight = look.path.for_light = true;
-    look.path.looks = false;
-    look.path.index_lane = -1; /* each wavelength has its own, whichever the path takes for all: see sample.c */
-    memset(look.path.media.ior_of, 0, sizeof look.path.media.ior_of);
-    look.path.fork = NULL;
-    look.path.bounce += FIRST_BOUNCE;
-    look.path.beta = look.path.ratio = lanes_all(1);
     *transmittance = follow(&look);
     tracer_take_back(tracer);
     return !lanes_zero(*transmittance);

@@ -14,6 +14,7 @@
 #ifndef MEN_SLAB_LOOK_H
 #define MEN_SLAB_LOOK_H
 
+#include "base/hash.h"
 #include "trace/event.h"
 #include "trace/shade.h"
 
@@ -28,7 +29,8 @@ static inline bool path_is_in_slabs(const Path *path)
 /* Whether a boundary is a face of a slab; place: where it is met. */
 static inline bool slab_is_face(const World *world, const Event *event, const SurfacePlace *place)
 {
-    return UNLIKELY(world->slabs.n) && slabs_have_face(&world->slabs, &event->hit) && !path_is_bent(place);
+    return UNLIKELY(world->slabs.n) && slabs_face(&world->slabs, event->hit.object, event->hit.normal) &&
+           !path_is_bent(place);
 }
 /* The path is about to be refracted at a face of a slab, or mirrored; rarity: of its airway, in front. */
 void slab_meet_face(Path *path, const Event *event, bool mirrored, float rarity);
@@ -37,12 +39,37 @@ static inline void slab_pass_pane(Path *path)
 {
     path->slab_way.bounce += path_is_in_slabs(path);
 }
-/* Whether what the path goes on in now is the direction in front of all slabs. */
+/* Whether what the path goes on in now is the direction in front of all slabs, and that was outside. */
 bool slab_keeps_direction(const Path *path);
 /* It leaves the scene behind slabs: if as it came to them, that way counts as straight. */
 void slab_leave_scene(Path *path);
+/* What it has found behind slabs counts as if nothing had been in the way. */
+void slab_was_straight(Path *path);
 
 /* As path_shadow, for light from infinity that comes through slabs. The ray is one that path_shadow says is blocked. */
 bool slab_shadow(Path *path, const Ray *ray, Lanes *transmittance);
+
+/* ---- for looks: slab_look.c, slab_lamp.c ---- */
+
+/* Where a look meets a face. */
+typedef struct SlabFace {
+    SurfacePlace place;
+    uint64_t number; /* see slabs_face */
+    Lanes eta_i, eta_t, reflectance;
+    Vec3f refracted;
+    bool passes;
+} SlabFace;
+
+/* Of the faces of a way, and what is done there, from 0 on; the same whichever way round they are met. */
+static inline uint64_t slab_step(uint64_t steps, uint64_t face, bool mirrored)
+{
+    return steps + hash_u64(2 * face + mirrored);
+}
+/* A look of a path, followed by a tracer of its own, in a ray that is yet to be set. Of which indices: see Path.index_lane. */
+void slab_begin_look(const Path *path, Tracer *looker, int index_lane, Path *look);
+/* False: it is none. */
+bool slab_look_at_face(Path *look, const Event *event, SlabFace *face);
+/* A thin pane, or a hole in a sheet; false: it is none. */
+bool slab_cross_pane(Path *look, Event *event);
 
 #endif

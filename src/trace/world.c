@@ -236,6 +236,7 @@ static Status init_lights(World *world, Pool *pool, Error *error)
 {
     TRY(emitters_find(world->compiled, &world->media, pool, &world->emitters, error));
     for (unsigned reach = 0; reach < REACHES; reach++) TRY(choose_lights(world, reach, error));
+    TRY(slabs_find(world->compiled, &world->slabs, error));
     TRY(light_reach_find(world, error));
     TRY(find_portals(world, error));
     for (unsigned reach = 0; reach < REACHES; reach++)
@@ -281,8 +282,6 @@ static Status init_parts(World *world, uint32_t camera, Pool *pool, Error *error
     TRY(balances_new(world->scene, &world->balances, error));
     TRY(init_lights(world, pool, error));
     note_traits(world);
-    if (world->has_distant || world_lights(world)->environment > 0)
-        TRY(slabs_find(world->compiled, &world->slabs, error));
     TRY(stand_camera(world, error));
     reflected_color_init(&world->reflected);
     return find_beacons(world, error);
@@ -343,6 +342,7 @@ void world_clear(World *world)
         free(world->choices[reach].of_light);
     }
     free(world->reach);
+    free(world->reach_through);
     free(world->mesh_boxes);
     free(world->looks);
     nest_list_clear(&world->camera_list);

@@ -65,7 +65,8 @@ typedef struct World {
     const Scene *scene;
     ObjectLook *looks;             /* of the scene's objects */
     LightChoices choices[REACHES]; /* for places that these kinds of light reach */
-    uint8_t *reach;                /* of each medium: how far light may come straight into it; see light_reach.h */
+    /* of each medium: how far light may come straight into it, and through flat faces; see light_reach.h */
+    uint8_t *reach, *reach_through;
     EmitterSet emitters;
     WorldPortal *portals; /* where the scene has an environment that shines */
     uint32_t n_portals;
@@ -121,10 +122,15 @@ static inline const LightChoices *world_lights(const World *world)
 {
     return &world->choices[REACH_FAR | REACH_NEAR];
 }
-/* The same for a place that is in a medium. */
+/* The same for a place that is in a medium, of what may come straight to there; */
 static inline const LightChoices *world_lights_in(const World *world, uint32_t medium)
 {
     return &world->choices[world->reach[medium]];
+}
+/* and of what may come there through flat faces, too. */
+static inline const LightChoices *world_lights_through(const World *world, uint32_t medium)
+{
+    return &world->choices[world->reach_through[medium]];
 }
 
 #endif

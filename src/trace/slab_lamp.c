@@ -1,0 +1,415 @@
+/* slab_lamp.c - see slab_lamp.h.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "trace/slab_lamp.h"
+
+#include "optics/flat_way.h"
+#include "optics/fresnel.h"
+#include "optics/sampling.h"
+#include "trace/probe.h"
+
+/* A way by more faces than these is not looked for to and fro. */
+enum { MOST_PAIRED = 8 };
+/* How often light to and fro is looked for: it is a part of R^2, a 500th, of what comes straight. */
+static const float looked_again = 0.125f;
+
+/* The faces of a way from a place to a lamp. */
+typedef struct LampWay {
+    FlatFace faces[SLAB_FACES];
+    uint64_t numbers[SLAB_FACES]; /* see slabs_face */
+    uint32_t n;
+    bool disperses; /* the indices of some change with the wavelength */
+} LampWay;
+
+/* ---- the faces ---- */
+
+/* Puts a boundary that the ray comes to among the faces of a way; false: it is none. */
+static bool add_face(Path *look, const Ray *ray, const Hit *hit, Lanes eta_i, Lanes eta_t, LampWay *way)
+{
+    const World *world = look->tracer->world;
+    SurfacePlace place = path_place_of(world, ray, hit);
+    uint64_t number = slabs_face(&world->slabs, hit->object, hit->normal);
+    if (!number || path_is_bent(&place) || way->n == SLAB_FACES) return false;
+    Vec3 normal = vec3_normalize(vec3_from_f(place.geometric));
+    way->faces[way->n] = (FlatFace){.normal = normal,
+                                    .offset = vec3_dot(normal, place.position),
+                                    .eta = (double)lanes_get(eta_i, 0) / (double)lanes_get(eta_t, 0)};
+    way->numbers[way->n++] = number;
+    way->disperses |= !lanes_uniform(eta_i) || !lanes_uniform(eta_t);
+    return true;
+}
+
+/* All surfaces at one place; false: no look goes through them. */
+static bool cross_straight(Path *look, const Ray *ray, const Hit *hits, size_t n, LampWay *way)
+{
+    Tracer *tracer = look->tracer;
+    const World *world = tracer->world;
+    NestCrossing crossing;
+    for (size_t i = 0; i < n && world->has_paint; i++)
+        if (scene_is_painted(world->scene, hits[i].object)) return false;
+    if (n > 1 && nest_list_copy(&tracer->next, &tracer->list) != STATUS_OK) tracer->out_of_memory = true;
+    if (!path_cross(tracer, &tracer->list, hits, n, &crossing)) tracer->out_of_memory = true;
+    if (tracer->out_of_memory || crossing.n_faults || crossing.opaque) return false;
+    if (crossing.medium_from == crossing.medium_to) return true; /* panes are crossed likewise */
+    Lanes eta_i = path_ior(look, crossing.medium_from), eta_t = path_ior(look, crossing.medium_to);
+    if (lanes_equal(eta_i, eta_t)) return true;
+    return add_face(look, ray, path_boundary_hit(tracer, &tracer->next, hits, n, &crossing), eta_i, eta_t, way);
+}
+
+/* The faces on the look's ray, which ends at a light; false: something is in the way that no look goes through. */
+static bool find_faces(Path *look, LampWay *way)
+{
+    Tracer *tracer = look->tracer;
+    const HitList *all = &tracer->shadow_hits;
+    way->n = 0;
+    way->disperses = false;
+    tracer->counters.rays++;
+    if (!rtc_all(tracer->world->compiled->rtc, &look->ray, true, &tracer->shadow_hits)) return false;
+    for (size_t i = 0, n; i < all->n; i += n) {
+        n = rtc_cluster(all->items + i, all->n - i);
+        if (!cross_straight(look, &look->ray, all->items + i, n, way)) return false;
+    }
+    return true;
+}
+
+static bool are_parallel(const FlatFace *a, const FlatFace *b)
+{
+    return fabs(vec3_dot(a->normal, b->normal)) > 1 - 1e-6;
+}
+
+/* Pairs of faces that light may go to and fro between. */
+static uint32_t count_pairs(const LampWay *way)
+{
+    uint32_t n = 0;
+    for (uint32_t j = 1; j < way->n && way->n <= MOST_PAIRED; j++)
+        for (uint32_t i = 0; i < j; i++) n += are_parallel(&way->faces[i], &way->faces[j]);
+    return n;
+}
+
+static void add_step(const LampWay *of, uint32_t i, bool mirrored, bool back, LampWay *way)
+{
+    FlatFace *face = &way->faces[way->n];
+    *face = of->faces[i];
+    face->mirrored = mirrored;
+    if (back) face->eta = 1 / face->eta;
+    way->numbers[way->n++] = of->numbers[i];
+}
+
+/* The way that is mirrored at the second of such a pair, and then at the first. */
+static void go_to_and_fro(const LampWay *straight, uint32_t pair, LampWay *way)
+{
+    uint32_t first = 0, second = 1, i;
+    for (uint32_t left = pair;; first++) {
+        if (first == second) first = 0, second++;
+        if (are_parallel(&straight->faces[first], &straight->faces[second]) && !left--) break;
+    }
+    way->n = 0;
+    way->disperses = straight->disperses;
+    for (i = 0; i < second; i++) add_step(straight, i, false, false, way);
+    add_step(straight, second, true, false, way);
+    for (i = second - 1; i > first; i--) add_step(straight, i, false, true, way);
+    add_step(straight, first, true, true, way);
+    for (i = first + 1; i < straight->n; i++) add_step(straight, i, false, false, way);
+}
+
+static uint64_t steps_of(const LampWay *way)
+{
+    uint64_t steps = 0;
+    for (uint32_t i = 0; i < way->n; i++) steps = slab_step(steps, way->numbers[i], way->faces[i].mirrored);
+    return steps;
+}
+
+/* Whether each wavelength leaves by another way, and not just a little beside the others. */
+static bool parts_colors(const LampWay *way, Vec3 direction, const FlatRay *ray)
+{
+    return way->disperses && vec3_length(vec3_sub(ray->direction, direction)) > 1e-4;
+}
+
+/* ---- densities ---- */
+
+/* Of a light's place that a ray has come to by faces, per steradian of directions from where it began. */
+static float density_at(const World *world, Vec3 from, const LightChoices *choices, Vec3f normal, const Ray *ray,
+                        const Hit *hit, const FlatRay *bent)
+{
+    Vec3 place = ray_point(ray, hit->t), to = vec3_sub(place, from);
+    double distance = vec3_length(to);
+    Ray straight = ray_make(from, vec3f_from(vec3_scale(to, 1 / distance)));
+    Hit seen = *hit;
+    seen.t = distance;
+    seen.cos_normal = vec3_dot(vec3_from_f(hit->normal), to) / distance;
+    straight.time = ray->time;
+    bool in_front = vec3f_dot(normal, normal) == 0 || vec3f_dot(straight.direction, normal) > 0;
+    if (!in_front || (seen.cos_normal < 0) != hit->entering) return 0;
+    double pdf_w = (double)light_pdf_hit(world, choices, from, normal, &straight, &seen);
+    double spread = flat_ray_spread(bent, place) / (distance * distance);
+    return (float)(pdf_w * spread * fabs(seen.cos_normal / hit->cos_normal));
+}
+
+/* The faces by which a look towards a lamp would find a way through slabs that was gone, and how often; false: it would not. from: on
+ * that way, in front of the first of them. */
+static bool finds_way(const Path *path, Vec3 from, Vec3 to, Vec3f lamp_normal, LampWay *way, float *often)
+{
+    const World *world = path->tracer->world;
+    const SlabWay *gone = &path->slab_way;
+    bool one_pair = gone->n_mirrored == 2 && gone->to_and_fro;
+    Tracer *looker = gone->n_mirrored && !one_pair ? NULL : tracer_lend(path->tracer);
+    if (!looker) return false;
+    Path look;
+    Vec3 near = vec3_rounded(from);
+    slab_begin_look(path, looker, path->index_lane, &look);
+    ray_begin(&look.ray, near, vec3f_from(vec3_normalize(vec3_sub(to, near))));
+    look.ray.time = path->ray.time;
+    double cosine = fabs((double)vec3f_dot(look.ray.direction, lamp_normal));
+    look.ray.t_max = light_look_distance(vec3_length(vec3_sub(to, near)), cosine);
+    bool found = compiled_interior(world->compiled, vec3f_from(near), look.ray.time, &looker->shadow_hits,
+                                   &looker->list, NULL) == STATUS_OK &&
+                 find_faces(&look, way);
+    tracer_take_back(path->tracer);
+    *often = 1;
+    if (!found || !one_pair) return found && steps_of(way) == gone->steps;
+    const LampWay straight = *way;
+    uint32_t n_pairs = count_pairs(&straight);
+    *often = looked_again / (float)n_pairs;
+    for (uint32_t pair = 0; pair < n_pairs; pair++) {
+        go_to_and_fro(&straight, pair, way);
+        if (steps_of(way) == gone->steps) return true;
+    }
+    return false;
+}
+
+/* A place right beside where a way began, on it: on what it began is known no more. */
+static Vec3 right_beside(Vec3 from, Vec3 towards)
+{
+    const double part = 0.01;
+    return vec3_along(from, part, vec3_sub(towards, from));
+}
+
+float slab_lamp_density(Path *path, const Hit *hit)
+{
+    const double same = 1e-3;
+    const World *world = path->tracer->world;
+    const SlabWay *gone = &path->slab_way;
+    uint32_t emitter = emitter_of_hit(&world->emitters, hit);
+    bool scattered = gone->scatter_pdf >= 0 || (path->probing.is_probe && !gone->bent);
+    if (!scattered || emitter == EMITTER_NONE) return 0;
+    Vec3 from = path->scatter_point, to = ray_point(&path->ray, hit->t), direction;
+    LampWay way;
+    float often;
+    FlatRay bent;
+    if (!finds_way(path, right_beside(from, gone->first_face), to, hit->normal, &way, &often) ||
+        !flat_way_find(way.faces, way.n, from, to, &direction, &bent) ||
+        vec3_length(vec3_sub(direction, vec3_from_f(gone->direction))) > same ||
+        (path->index_lane < 0 && parts_colors(&way, direction, &bent)))
+        return 0;
+    return often * density_at(world, from, path->scatter_lights, path->scatter_normal, &path->ray, hit, &bent);
+}
+
+bool slab_lamp_is_looked_at(const Path *photon, uint32_t emitter, const Ray *begin, Vec3 place)
+{
+    LampWay way;
+    float often;
+    uint32_t medium = nest_medium(&photon->tracer->list);
+    return world_lights_through(photon->tracer->world, medium)->near > 0 && emitter != EMITTER_NONE &&
+           finds_way(photon, right_beside(place, photon->ray.origin), begin->origin, begin->direction, &way, &often);
+}
+
+float slab_weigh_lamp(Path *path, const Hit *hit, float radiance)
+{
+    float looked = slab_lamp_density(path, hit), weight = 1;
+    if (!(looked > 0)) return path_found_part(path, radiance);
+    const SlabWay *way = &path->slab_way;
+    const float pdf_w = path->scatter_pdf;
+    const bool bent = path->probing.bent;
+    path->scatter_pdf = way->scatter_pdf;
+    path->probing.bent = way->bent;
+    if (way->scatter_pdf >= 0) weight = sampling_balance(way->scatter_pdf, looked);
+    weight *= path_found_part(path, radiance);
+    path->scatter_pdf = pdf_w; /* what shines may go on scattering */
+    path->probing.bent = bent;
+    return weight;
+}
+
+/* ---- looks ---- */
+
+typedef struct LampLook {
+    Path *path;
+    const LookPlace *from;
+    Path look;
+    int index_lane;
+} LampLook;
+
+/* False when memory ends. */
+static bool start(LampLook *look, Vec3f direction)
+{
+    Path *path = look->path;
+    Tracer *tracer = path->tracer, *looker = tracer->looker;
+    const LookPlace *from = look->from;
+    Ray ray;
+    if (from->event) {
+        bool through = vec3f_dot(direction, from->place->geometric) < 0;
+        path_start_ray(path, from->event, from->place, through, direction, &ray);
+    } else {
+        ray_begin(&ray, from->place->position, direction);
+        ray.time = path->ray.time;
+    }
+    slab_begin_look(path, looker, look->index_lane, &look->look);
+    look->look.ray = ray;
+    if (path_cross_towards(tracer, &ray, &looker->list)) return true;
+    tracer->out_of_memory = true;
+    return false;
+}
+
+static bool goes_on(Path *look, Event *event)
+{
+    path_next_event(look, event);
+    if (event->kind == EVENT_LOST) look->tracer->out_of_memory = true;
+    return event->kind == EVENT_OPAQUE || event->kind == EVENT_BOUNDARY;
+}
+
+/* By the faces of a way. */
+static bool follow_faces(Path *look, const LampWay *way)
+{
+    const uint32_t most = look->tracer->world->max_bounces;
+    for (uint32_t i = 0; i < way->n; look->bounce++) {
+        Event event;
+        SlabFace face;
+        if (!goes_on(look, &event) || look->n_counted++ >= most) return false;
+        if (event.kind == EVENT_OPAQUE) {
+            if (!slab_cross_pane(look, &event)) return false;
+            continue;
+        }
+        if (!slab_look_at_face(look, &event, &face) || face.number != way->numbers[i]) return false;
+        bool mirrored = way->faces[i++].mirrored;
+        if (!mirrored && !face.passes) return false;
+        look->beta = lanes_mul(look->beta, mirrored ? face.reflectance : lanes_rest(face.reflectance));
+        path_leave(look, &event, &face.place, !mirrored,
+                   mirrored ? reflect_direction(look->ray.direction, face.place.normal) : face.refracted);
+    }
+    return !lanes_zero(look->beta);
+}
+
+/* On from the last face to a lamp that has a surface. */
+static bool follow_to_surface(Path *look, uint32_t emitter, Event *event)
+{
+    const World *world = look->tracer->world;
+    for (; goes_on(look, event) && event->kind == EVENT_OPAQUE; look->bounce++) {
+        if (emitter_of_hit(&world->emitters, &event->hit) == emitter) return true;
+        if (look->n_counted++ >= world->max_bounces || !slab_cross_pane(look, event)) return false;
+    }
+    return false;
+}
+
+/* What comes from a lamp with a surface; pdf_w: its density. */
+static bool see_surface(const LampLook *l, uint32_t emitter, const FlatRay *bent, float *pdf_w, Lanes *arrives)
+{
+    const World *world = l->path->tracer->world;
+    Path look = l->look;
+    Event event;
+    Lanes radiance;
+    if (!follow_to_surface(&look, emitter, &event) ||
+        !light_radiance_hit(world, &look.ray, &event.hit, look.wavelengths.nm, &radiance))
+        return false;
+    *pdf_w =
+        density_at(world, l->from->place->position, l->from->choices, l->from->normal, &look.ray, &event.hit, bent);
+    uint32_t medium = nest_medium(&look.tracer->list);
+    *arrives = lanes_mul(look.beta, path_basic_radiance(world, radiance, medium, look.wavelengths.nm));
+    return *pdf_w > 0;
+}
+
+/* What comes from one without size, as if through a steradian. */
+static bool see_point(const LampLook *l, const LightSample *light, Vec3 place, const FlatRay *bent, Lanes *arrives)
+{
+    const World *world = l->path->tracer->world;
+    Path look = l->look;
+    const LightQuery query = {.from = look.ray.origin, .time = look.ray.time, .wavelength_nm = look.wavelengths.nm};
+    LightSample last;
+    Lanes transmittance;
+    uint32_t medium;
+    light_sample_emitter(world, light->emitter, &query, &last);
+    look.ray.t_max = last.distance;
+    if (!(last.pdf_w > 0) || !path_shadow(&look, &look.ray, &transmittance, &medium)) return false;
+    float nearer = (float)(last.distance * last.distance / flat_ray_spread(bent, place));
+    Lanes radiance = path_basic_radiance(world, lanes_scale(last.radiance, nearer), medium, look.wavelengths.nm);
+    *arrives = lanes_mul(lanes_mul(look.beta, transmittance), radiance);
+    return true;
+}
+
+/* A look by the faces of a way at the place of a light, which becomes one in its direction; false: nothing comes by there. */
+static bool look_by(LampLook *l, const LampWay *way, Vec3 place, LightSample *light, Lanes *arrives)
+{
+    Vec3 direction;
+    FlatRay bent;
+    if (!flat_way_find(way->faces, way->n, l->from->place->position, place, &direction, &bent)) return false;
+    light->direction = vec3f_from(direction);
+    const Vec3f normal = l->from->normal;
+    bool in_front = vec3f_dot(normal, normal) == 0 || vec3f_dot(light->direction, normal) > 0;
+    if (!in_front || !start(l, light->direction) || !follow_faces(&l->look, way)) return false;
+    light->arrives = arrives;
+    return light->delta ? see_point(l, light, place, &bent, arrives)
+                        : see_surface(l, light->emitter, &bent, &light->pdf_w, arrives);
+}
+
+static bool find_straight(LampLook *l, const LightSample *light, LampWay *way)
+{
+    if (!start(l, light->direction)) return false;
+    l->look.ray.t_max = light->distance;
+    l->look.ray.target = light->object;
+    l->look.ray.target_primitive = light->primitive;
+    return find_faces(&l->look, way);
+}
+
+/* The faces up to the light. Where each wavelength would come another way, and the path does not know yet by whose indices it goes,
+ * its sample's second path is to begin before. */
+static bool find_way(LampLook *l, const LightSample *light, Vec3 place, LampWay *way)
+{
+    Path *path = l->path;
+    Vec3 direction;
+    FlatRay bent;
+    l->index_lane = path->bent_apart ? path->index_lane : -1;
+    if (!find_straight(l, light, way)) return false;
+    if (!way->disperses || !flat_way_find(way->faces, way->n, l->from->place->position, place, &direction, &bent) ||
+        !parts_colors(way, direction, &bent))
+        return true;
+    if (path->index_lane < 0) return false;
+    path->bent_apart = true;
+    l->index_lane = path->index_lane;
+    return find_straight(l, light, way);
+}
+
+/* What comes to and fro between two of a way's faces. */
+static void look_again(LampLook *l, const LampWay *way, Vec3 place, LightLooks *looks)
+{
+    const Sampler *sampler = &l->path->sampler;
+    LightSample *light = &looks->lights[looks->n];
+    uint32_t n_pairs = count_pairs(way);
+    float u = sampler_1d(sampler, sampler_dimension(l->look.bounce, DIM_LOBE)) / looked_again;
+    if (!n_pairs || u >= 1) return;
+    LampWay again;
+    go_to_and_fro(way, (uint32_t)(u * (float)n_pairs), &again);
+    float chosen = looked_again / (float)n_pairs;
+    if (!look_by(l, &again, place, light, &looks->arrives[looks->n])) return;
+    light->pdf_w *= chosen;
+    looks->n++;
+}
+
+void slab_look_at_lamp(Path *path, const LookPlace *from, LightLooks *looks)
+{
+    LightSample *light = &looks->lights[0];
+    Vec3 position = from->place->position, place = vec3_along(position, light->distance, vec3_from_f(light->direction));
+    if (!(light->pdf_w > 0) || light->glow || !isfinite(light->distance) ||
+        !slabs_are_on_way(&path->tracer->world->slabs, position, light->direction, light->distance))
+        return;
+    LampLook look; /* set field by field: most of it is set later */
+    LampWay way;
+    look.path = path;
+    look.from = from;
+    if (!tracer_lend(path->tracer)) return;
+    bool in_front = vec3f_dot(from->normal, from->normal) == 0 || vec3f_dot(light->direction, from->normal) > 0;
+    bool found = in_front && find_way(&look, light, place, &way);
+    if (!found) light->pdf_w = 0; /* nor is it seen straight */
+    if (found && way.n) {
+        looks->lights[1] = *light;
+        if (!look_by(&look, &way, place, light, &looks->arrives[0])) light->pdf_w = 0;
+        look_again(&look, &way, place, looks);
+    }
+    tracer_take_back(path->tracer);
+}

@@ -1,0 +1,187 @@
+/* lamps_test.c - lamps near by through flat faces: found by looking along the ways that are known in closed form, against closed
+ * forms, and against chance alone.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "truth.h"
+
+#define BENCH_OF(albedo)                                                                                               \
+    "meniscus 1.0 unit mm ground { surface = surface { albedo = " albedo " } }\n"                                      \
+    "camera { from = <0, 3, 4.5>  to = <0, 0, 0>  fov = .01deg }\n"                                                    \
+    "medium glass { ior = 1.5  state = solid }\n"                                                                      \
+    "medium green { ior = 1.6  absorption = .05 / 1mm  state = solid }\n"                                              \
+    "medium water { ior = 1.33 }\n"                                                                                    \
+    "medium fog { ior = 1  scattering = .02 / 1mm }\n"                                                                 \
+    "medium murk { ior = 1.33  scattering = .02 / 1mm }\n"                                                             \
+    "medium hole { ior = 1 }\n"                                                                                        \
+    "medium flint { ior = cauchy(1.6, .02)  state = solid }\n"                                                         \
+    "surface pane { thin = true  transmission = 1  ior = 1.5  roughness = 0  tint = rgb(.4, .7, .9) }\n"
+#define BENCH BENCH_OF(".8")
+#define DARK BENCH_OF(".00001") /* what it lights itself, by a reflection, is nothing */
+
+/* ---- closed forms ---- */
+
+/* A point above a plate of glass, aside of the place. The angle outside is that whose layers' offsets add up to the distance aside;
+ * a steradian there is spread over s ds / (sin da) of a level plane, cos(angle) of that across. What goes to and fro in the plate once is
+ * the same for a plate three times as thick. */
+static double point_through_plate(double aside, double above, double thickness, double ior)
+{
+    double sum = 0;
+    for (int again = 0; again < 2; again++) {
+        double glass = thickness * (1 + 2 * again), air = above - thickness, low = 0, high = TRUTH_PI / 2;
+        for (int i = 0; i < 200; i++) {
+            double angle = 0.5 * (low + high), inside = asin(sin(angle) / ior);
+            *(air * tan(angle) + glass * tan(inside) < aside ? &low : &high) = angle;
+        }
+        double cosine = cos(low), inside = sqrt(1 - pow(sin(low) / ior, 2));
+        double around = air / cosine + glass / (ior * inside);
+        double along = air / (cosine * cosine) + glass * cosine / (ior * pow(inside, 3));
+        double r = truth_fresnel(cosine, 1, ior);
+        sum += (1 - r) * (1 - r) * pow(r, 2 * again) / (around * along);
+    }
+    return sum;
+}
+
+static void points(void **state)
+{
+    (void)state;
+    static const double asides[] = {1e-9, 10, 30, 90};
+    for (size_t i = 0; i < COUNT_OF(asides); i++) {
+        char text[2000], what[80];
+        snprintf(text, sizeof text,
+                 DARK "light { shape = point  from = <%.17g, 40, 0>  intensity = 20 }\n"
+                      "box { from = <-900, 20, -900>  to = <900, 30, 900>  interior = glass }\n",
+                 asides[i]);
+        snprintf(what, sizeof what, "a point %g aside, through a plate", asides[i]);
+        RenderSettings looking = truth_small(4096);
+        looking.caustics = CAUSTICS_OFF;
+        /* cos(angle) of the floor is in the spread already */
+        truth_expect(what, 0.00001 / TRUTH_PI * 2e7 * point_through_plate(asides[i], 40, 10, 1.5),
+                     truth_measure_as(text, NULL, &looking), 4, 0.001);
+    }
+}
+
+/* Straight above, under water, where what is in air seems to be n times as far. Radiance is told as it would be in air. */
+static void under_water(void **state)
+{
+    (void)state;
+    double r = truth_fresnel(1, 1, 1.33), apart = 12 + 28 * 1.33;
+    RenderSettings looking = truth_small(256);
+    looking.caustics = CAUSTICS_OFF;
+    looking.bounces = 2;
+    truth_expect("a lamp above still water, seen from its floor", 0.8 * 3e3 * pow(0.05 / apart, 2) * (1 - r),
+                 truth_measure_as(BENCH "light { shape = sphere  from = <0, 40, 0>  radius = .05  radiance = 3e3 }\n"
+                                        "box { from = <-900, -1, -900>  to = <900, 12, 900>  interior = water }\n",
+                                  NULL, &looking),
+                 4, 0.002);
+}
+
+/* ---- against chance ---- */
+
+typedef struct Case {
+    const char *what, *between;
+    bool photons; /* with them, too */
+} Case;
+
+static void expect_alike(const Case *c)
+{
+    char text[3000], name[120];
+    snprintf(text, sizeof text, BENCH "%s\n", c->between);
+    Estimate by_chance = truth_measure(text, NULL, 2048, true);
+    for (int photons = 0; photons <= c->photons; photons++) {
+        RenderSettings looking = truth_small(512);
+        looking.caustics = photons ? CAUSTICS_ON : CAUSTICS_OFF;
+        snprintf(name, sizeof name, "%s%s", c->what, photons ? ", with photons" : "");
+        truth_alike(name, by_chance, truth_measure_as(text, NULL, &looking), 4, 0.012);
+    }
+}
+
+#define QUAD "light { from = <6, 30, 4>  to = <0, 0, 0>  size = <16, 12>  radiance = 2 }\n"
+
+static void as_by_chance(void **state)
+{
+    (void)state;
+    static const Case cases[] = {
+        {"quad, a pane", QUAD "box { from = <-30, 8, -30>  to = <30, 14, 30>  interior = glass }", true},
+        {"quad, the edge of a pane across it", QUAD "box { from = <2, 8, -30>  to = <30, 14, 30>  interior = glass }",
+         false},
+        {"quad, panes aslant",
+         QUAD
+         "box { from = <-30, 0, -30>  to = <30, 4, 30>  rotate(<20, 30, 10>)  translate(<3, 8, 0>)  interior = glass }"
+         "box { from = <-30, 0, -30>  to = <30, 3, 30>  rotate(<-10, 0, -30>)  translate(<3, 18, 0>)  interior = green "
+         "}",
+         true},
+        {"quad, panes that reach into each other",
+         QUAD "box { from = <-30, 8, -30>  to = <30, 11, 30>  interior = green }\n"
+              "box { from = <-30, 10, -30>  to = <30, 14, 30>  interior = glass }",
+         false},
+        {"quad, a pane on the place", QUAD "box { from = <-30, -1, -30>  to = <30, 1, 30>  interior = glass }", false},
+        {"quad, water", QUAD "box { from = <-30, -1, -30>  to = <30, 12, 30>  interior = water }", true},
+        {"quad, water in murk", QUAD "box { from = <-30, -1, -30>  to = <30, 12, 30>  interior = murk }", true},
+        {"quad, a pane in fog",
+         QUAD "box { from = <-40, -1, -40>  to = <40, 26, 40>  interior = fog }\n"
+              "box { from = <-30, 8, -30>  to = <30, 12, 30>  interior = glass }",
+         false},
+        {"quad, water and a block aslant in it",
+         QUAD
+         "box { from = <-30, -1, -30>  to = <30, 20, 30>  interior = water }\n"
+         "box { from = <-9, 0, -9>  to = <9, 5, 9>  rotate(<20, 30, 10>)  translate(<3, 9, 0>)  interior = glass }",
+         false},
+        {"quad, a pane and a sheet",
+         QUAD "box { from = <-30, 8, -30>  to = <30, 9, 30>  interior = glass }\n"
+              "box { from = <2, 12, -90>  to = <90, 12.1, 90>  surface = pane }\n"
+              "box { from = <-90, 5, -90>  to = <90, 5.1, 2>  surface = pane }",
+         false},
+        {"quad, a dent in a pane",
+         QUAD
+         "difference { box { from = <-30, 8, -30>  to = <30, 12, 30> } sphere { center = <5, 13, 0>  radius = 5 }  "
+         "interior = glass }",
+         true},
+        {"quad, half hidden",
+         QUAD "box { from = <-30, 8, -30>  to = <30, 14, 30>  interior = glass }\n"
+              "box { from = <2, 4, -30>  to = <4, 6, 30>  surface = surface { albedo = .5 } }",
+         false},
+        {"quad, flint", QUAD "box { from = <-30, 8, -30>  to = <30, 18, 30>  interior = flint }", false},
+        {"quad, under flint", QUAD "box { from = <-30, -1, -30>  to = <30, 12, 30>  interior = flint }", true},
+        {"quad, a hollow block",
+         QUAD "box { from = <-30, 8, -30>  to = <30, 14, 30>  interior = glass  priority = 1 }\n"
+              "box { from = <-29, 9, -29>  to = <29, 13, 29>  interior = hole  priority = 2 }",
+         false},
+        {"ball, a pane",
+         "light { shape = sphere  from = <5, 24, 0>  radius = 6  radiance = 4 }\n"
+         "box { from = <-30, 8, -30>  to = <30, 14, 30>  interior = glass }",
+         false},
+        {"ball within glass",
+         "light { shape = sphere  from = <5, 24, 0>  radius = 6  radiance = 4 }\n"
+         "box { from = <-30, 12, -30>  to = <30, 44, 30>  interior = glass }",
+         true},
+        {"disc into a cone, water",
+         "light { shape = disc  from = <5, 24, 0>  to = <0, 0, 0>  radius = 9  angle = 60deg  radiance = 2 }\n"
+         "box { from = <-30, -1, -30>  to = <30, 12, 30>  interior = water }",
+         false},
+        {"shining box, a pane",
+         "box { from = <0, 20, 0>  to = <8, 28, 6>  rotate(<10, 20, 30>)  surface = surface { albedo = .5  emission = "
+         "1  radiance = 4 } }\n"
+         "box { from = <-30, 8, -30>  to = <30, 14, 30>  interior = glass }",
+         false},
+        {"shining ring, a pane",
+         "torus { radius = 9  tube = 4  translate(<0, 24, 0>)  surface = surface { albedo = .5  emission = 1  radiance "
+         "= 2 } }\n"
+         "box { from = <-30, 8, -30>  to = <30, 14, 30>  interior = glass }",
+         false},
+        {"a painted ball that shines, a pane",
+         "def part(p) = p.y > 24 ? .2 : 1\n"
+         "sphere { center = <0, 24, 0>  radius = 6  surface = surface { albedo = 0  emission = part  radiance = 4 } }\n"
+         "box { from = <-30, 8, -30>  to = <30, 14, 30>  interior = glass }",
+         false},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) expect_alike(&cases[i]);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(points),
+        cmocka_unit_test(under_water),
+        cmocka_unit_test(as_by_chance),
+    };
+    return cmocka_run_group_tests_name("lamps", tests, NULL, NULL);
+}
