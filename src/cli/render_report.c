@@ -150,7 +150,8 @@ static void remark_brightness(const RenderRun *run)
     char what[200];
     const char *part;
     int clipped = clipped_stops(&brightness, &part);
-    bool is_dark = run->stats.samples && brightness.mean < dark && band_at(&brightness, nearly_all) < black;
+    bool is_dark = run->stats.samples && !scene_catches(run->input.scene) && brightness.mean < dark &&
+                   band_at(&brightness, nearly_all) < black;
     bool lost = is_lost(&brightness, nearly_all), speaks = lost || is_displayed(run);
     if (speaks && clipped > 0) {
         snprintf(what, sizeof what, "%s of the picture is %d stop%s or more above white", part, clipped,
@@ -164,11 +165,11 @@ static void remark_brightness(const RenderRun *run)
     if (is_dark) remark_unit(run, lost);
 }
 
-static bool is_black(const Image *image)
+static bool is_black(const Image *image, bool and_clear)
 {
-    static const char *const names[] = {"R", "G", "B"};
-    size_t n_pixels = (size_t)image->width * image->height;
-    for (size_t k = 0; k < COUNT_OF(names); k++) {
+    static const char *const names[] = {"R", "G", "B", "A"};
+    size_t n_pixels = (size_t)image->width * image->height, n_names = COUNT_OF(names) - !and_clear;
+    for (size_t k = 0; k < n_names; k++) {
         int channel = image_channel(image, names[k]);
         for (size_t i = 0; channel >= 0 && i < n_pixels; i++)
             if (image->pixels[i * image->n_channels + (unsigned)channel] != 0) return false;
@@ -179,8 +180,15 @@ static bool is_black(const Image *image)
 /* Not where the scene has no light at all, which is said before; nor of frames behind the first, which may fade. */
 static void warn_of_black(const RenderRun *run)
 {
-    if (run->n_rendered || run->stats.samples == 0 || diag_has(&run->input.diag, D_NO_LIGHT) || !is_black(&run->image))
+    const bool catches = scene_catches(run->input.scene); /* shadows, which are black, but cover something */
+    if (run->n_rendered || run->stats.samples == 0 || diag_has(&run->input.diag, D_NO_LIGHT) ||
+        !is_black(&run->image, catches))
         return;
+    if (catches) {
+        talk_warning(run->talk,
+                     "the picture is empty: no thing is in it, and none changes the light of its shadow catchers");
+        return;
+    }
     const RenderSettings *settings = &run->settings;
     Buf view = {0};
     viewpoint_add_options(&run->input, settings->width, settings->height, &view);

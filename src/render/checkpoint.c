@@ -24,7 +24,7 @@ typedef struct Footer {
 /* What the head begins with. Without gaps between members. */
 typedef struct Head {
     uint32_t byte_order, head_size, film_pixel_size, bright_pixel_size, aov_pixel_size;
-    uint32_t padding; /* 0: without it `unit` would not stand at a multiple of its size */
+    uint32_t caught_pixel_size; /* 0: nothing in the scene catches shadows */
     uint32_t width, height, crop[4];
     uint32_t samples, first_sample, end_sample, guide_samples, least_samples, most_samples;
     uint32_t aovs, spreads, guides, wants, n_facts, n_attributes;
@@ -89,6 +89,7 @@ static void add_head(const Writing *writing, Buf *out)
                  .film_pixel_size = sizeof(FilmPixel),
                  .bright_pixel_size = sizeof(BrightPixel),
                  .aov_pixel_size = (uint32_t)aov_film_pixel_size(),
+                 .caught_pixel_size = state->film.caught ? sizeof(FilmCaught) : 0,
                  .width = state->film.width,
                  .height = state->film.height,
                  .samples = notes->samples,
@@ -290,8 +291,8 @@ static bool head_can_be(const Head *head)
            head->crop[3] <= head->height && head->first_sample < head->end_sample &&
            head->end_sample <= head->samples && head->samples <= FILM_MOST_SAMPLES &&
            head->least_samples <= head->most_samples && head->most_samples <= FILM_MOST_SAMPLES &&
-           (AovSet)head->aovs < (AovSet)1 << AOV_COUNT && head->padding == 0 && head->unit >= 0 &&
-           head->n_facts <= CHECKPOINT_MOST_FACTS && head->n_attributes <= CHECKPOINT_MOST_ATTRIBUTES;
+           (AovSet)head->aovs < (AovSet)1 << AOV_COUNT && head->unit >= 0 && head->n_facts <= CHECKPOINT_MOST_FACTS &&
+           head->n_attributes <= CHECKPOINT_MOST_ATTRIBUTES;
 }
 
 /* Before memory is asked for. A file can hold a small part of a large frame, whose picture, nearly all black, compresses well. */
@@ -299,7 +300,7 @@ static bool has_room(const Checkpoint *file, const Head *head)
 {
     const double best_ratio = 2000;
     double pixels = (double)(head->crop[2] - head->crop[0]) * (head->crop[3] - head->crop[1]);
-    double bytes = sizeof(FilmPixel) + (head->spreads ? sizeof(BrightPixel) : 0);
+    double bytes = sizeof(FilmPixel) + (double)head->caught_pixel_size + (head->spreads ? sizeof(BrightPixel) : 0);
     off_t here = ftello(file->stream);
     return pixels * bytes <= (double)file->left &&
            (double)head->width * head->height <= 1e6 + best_ratio * ((double)here + (double)file->left);
@@ -313,7 +314,8 @@ static Status take_head(Checkpoint *file, uint64_t length, Error *error)
     if (!buf_take(&in, &head, sizeof head)) return fail_damaged(file, error);
     if (head.byte_order != BYTE_ORDER_MARK || head.head_size != sizeof head ||
         head.film_pixel_size != sizeof(FilmPixel) || head.bright_pixel_size != sizeof(BrightPixel) ||
-        head.aov_pixel_size != aov_film_pixel_size())
+        head.aov_pixel_size != aov_film_pixel_size() ||
+        (head.caught_pixel_size && head.caught_pixel_size != sizeof(FilmCaught)))
         return fail(
             error, STATUS_INPUT,
             "cannot read '%s': another version of meniscus, or one for another machine, wrote the state of the render",
@@ -333,6 +335,7 @@ static Status take_head(Checkpoint *file, uint64_t length, Error *error)
     file->most_samples = head.most_samples;
     file->aovs = (AovSet)head.aovs;
     file->unit = head.unit;
+    file->catches = head.caught_pixel_size > 0;
     file->spreads = head.spreads != 0;
     file->guides = head.guides != 0;
     file->wants = head.wants != 0;
@@ -371,6 +374,7 @@ Status checkpoint_make_state(const Checkpoint *file, uint32_t height, RenderStat
     if (height == 0) height = file->height;
     Status status = film_init(&state->film, file->width, height, error);
     state->film.first_sample = file->notes.first_sample;
+    if (status == STATUS_OK && file->catches) status = film_catch(&state->film, error);
     if (status == STATUS_OK && file->spreads)
         status = bright_film_init(&state->bright, slice, file->width, height, error);
     if (status == STATUS_OK)

@@ -49,6 +49,7 @@ typedef struct Checkpoint {
     uint32_t least_samples, most_samples; /* that pixels have */
     AovSet aovs;
     double unit;                 /* of the AOVs' lengths */
+    bool catches;                /* its scene has shadow catchers */
     bool spreads, guides, wants; /* holds bright samples; what a denoiser is guided by; is amid a plan of adapt.h */
     PathCounters counters;
     uint64_t saturated_samples;

@@ -2,13 +2,17 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "render/early.h"
 
+#include "render/caught.h"
+
 enum { CHANNELS = 4 };
 
-static void put_mean(const FilmPixel *pixel, float out[CHANNELS])
+static void put_mean(const Film *film, uint32_t x, uint32_t y, float out[CHANNELS])
 {
+    const FilmPixel *pixel = film_pixel(film, x, y);
     double scale = 1.0 / pixel->n;
     for (int c = 0; c < 3; c++) out[c] = (float)((double)pixel->rgb[c] * FILM_UNIT * scale);
     out[3] = film_alpha(pixel);
+    caught_take_pixel(film, x, y, out);
 }
 
 /* Weights fall linearly with the distance from the lattice's pixels. */
@@ -22,7 +26,7 @@ static void put_between(const Film *film, const uint32_t area[4], uint32_t step,
         if (u >= area[2] || v >= area[3] || !film_pixel(film, u, v)->n) continue;
         uint32_t across = corner & 1 ? x - left : step - (x - left), down = corner >> 1 ? y - top : step - (y - top);
         float weight = (float)(across * down), mean[CHANNELS];
-        put_mean(film_pixel(film, u, v), mean);
+        put_mean(film, u, v, mean);
         for (int c = 0; c < CHANNELS; c++) out[c] += weight * mean[c];
         sum += weight;
     }
@@ -58,7 +62,7 @@ Status early_resolve(const Film *film, const uint32_t area[4], uint32_t step, Im
     for (uint32_t y = area[1]; y < area[3]; y++)
         for (uint32_t x = area[0]; x < area[2]; x++)
             if (film_pixel(film, x, y)->n)
-                put_mean(film_pixel(film, x, y), image->pixels + ((size_t)y * image->width + x) * CHANNELS);
+                put_mean(film, x, y, image->pixels + ((size_t)y * image->width + x) * CHANNELS);
     early_fill(film, area, step, image);
     return STATUS_OK;
 }

@@ -23,15 +23,25 @@ Status film_init(Film *film, uint32_t width, uint32_t height, Error *error)
     return STATUS_OK;
 }
 
+Status film_catch(Film *film, Error *error)
+{
+    size_t n = (size_t)film->width * film->height;
+    film->caught = calloc(n, sizeof *film->caught);
+    return film->caught ? STATUS_OK : fail_memory(error, n * sizeof *film->caught, "what catches shadows");
+}
+
 void film_clear(Film *film)
 {
     free(film->pixels);
+    free(film->caught);
     *film = (Film){0};
 }
 
 void film_forget_row(Film *film, uint32_t x0, uint32_t x1, uint32_t y)
 {
-    memset(&film->pixels[(size_t)y * film->width + x0], 0, (x1 - x0) * sizeof *film->pixels);
+    size_t begin = (size_t)y * film->width + x0;
+    memset(&film->pixels[begin], 0, (x1 - x0) * sizeof *film->pixels);
+    if (film->caught) memset(&film->caught[begin], 0, (x1 - x0) * sizeof *film->caught);
 }
 
 void film_count_samples(const Film *film, const uint32_t crop[4], uint32_t *least, uint32_t *most, uint64_t *sum)
@@ -100,6 +110,23 @@ bool film_add(Film *film, uint32_t x, uint32_t y, const float rgb[3], float alph
     return saturated;
 }
 
+static void add_held(int64_t *sum, float value)
+{
+    bool saturated = false; /* film_add has told */
+    *sum += llrint(held((double)value, FILM_LARGEST, &saturated) / FILM_UNIT);
+    (void)hold_sum(sum);
+}
+
+void film_add_caught(Film *film, uint32_t x, uint32_t y, const float lit[3], const float bare[3], float part)
+{
+    FilmCaught *caught = &film->caught[(size_t)y * film->width + x];
+    for (int i = 0; i < 3; i++) {
+        add_held(&caught->lit[i], lit[i]);
+        add_held(&caught->bare[i], bare[i]);
+    }
+    caught->part += llrint(fmin((double)part, most_open) / FILM_UNIT);
+}
+
 void film_luminance(const FilmPixel *pixel, double *mean, double *standard_error)
 {
     *mean = 0;
@@ -163,10 +190,13 @@ void film_squared_errors(const Film *film, uint32_t x, uint32_t y, float squared
 
 /* No bytes are between its members. */
 _Static_assert(sizeof(FilmPixel) == 8 * (11 + FILM_LADDER) + 8, "the pixels of a film as bytes");
+_Static_assert(sizeof(FilmCaught) == 8 * 7, "what is caught as bytes");
 
 void film_save_row(const Film *film, uint32_t x0, uint32_t x1, uint32_t y, Buf *out)
 {
     buf_add_bytes(out, (const char *)film_pixel(film, x0, y), (x1 - x0) * sizeof(FilmPixel));
+    if (film->caught)
+        buf_add_bytes(out, (const char *)&film->caught[(size_t)y * film->width + x0], (x1 - x0) * sizeof(FilmCaught));
 }
 
 static bool is_within(int64_t sum, double largest)
@@ -185,11 +215,23 @@ static bool can_be(const FilmPixel *pixel)
     return good;
 }
 
+static bool can_be_caught(const FilmCaught *caught, uint32_t n)
+{
+    double most = n * (FILM_LARGEST / FILM_UNIT + 1);
+    bool good = caught->part >= 0 && is_within(caught->part, n * most_open / FILM_UNIT);
+    for (int i = 0; i < 3; i++) good = good && is_within(caught->lit[i], most) && is_within(caught->bare[i], most);
+    return good;
+}
+
 bool film_load_row(Film *film, uint32_t x0, uint32_t x1, uint32_t y, BufReader *in)
 {
     FilmPixel *row = &film->pixels[(size_t)y * film->width];
     bool good = buf_take(in, row + x0, (x1 - x0) * sizeof *row);
     for (uint32_t x = x0; good && x < x1; x++) good = can_be(&row[x]);
+    if (!good || !film->caught) return good;
+    FilmCaught *caught = &film->caught[(size_t)y * film->width];
+    good = buf_take(in, caught + x0, (x1 - x0) * sizeof *caught);
+    for (uint32_t x = x0; good && x < x1; x++) good = can_be_caught(&caught[x], row[x].n);
     return good;
 }
 
@@ -222,6 +264,15 @@ void film_join(FilmPixel *pixel, const FilmPixel *next, uint32_t from)
     sum.n += next->n;
     sum.rays += next->rays;
     *pixel = sum;
+}
+
+void film_join_caught(FilmCaught *caught, const FilmCaught *next)
+{
+    for (int i = 0; i < 3; i++) {
+        caught->lit[i] = add(caught->lit[i], next->lit[i]);
+        caught->bare[i] = add(caught->bare[i], next->bare[i]);
+    }
+    caught->part += next->part;
 }
 
 typedef struct Resolve {

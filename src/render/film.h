@@ -29,10 +29,17 @@ typedef struct FilmPixel {
     uint64_t rays; /* that the samples took: what they cost */
 } FilmPixel;
 
+/* What a pixel's samples found of shadow catchers, see trace/catcher.h and caught.h: sums as FilmPixel's, which has all of that light,
+ * too, and for which catchers cover what is behind them. */
+typedef struct FilmCaught {
+    int64_t lit[3], bare[3], part;
+} FilmCaught;
+
 typedef struct Film {
     uint32_t width, height;
     uint32_t first_sample; /* of each pixel: 0, but for slices of a render */
     FilmPixel *pixels;
+    FilmCaught *caught; /* NULL: nothing in the scene catches shadows */
 } Film;
 
 static inline const FilmPixel *film_pixel(const Film *film, uint32_t x, uint32_t y)
@@ -42,6 +49,8 @@ static inline const FilmPixel *film_pixel(const Film *film, uint32_t x, uint32_t
 
 /* Black, without samples. STATUS_NOMEM. */
 ATTR_NODISCARD Status film_init(Film *film, uint32_t width, uint32_t height, Error *error);
+/* Makes room for what is caught. STATUS_NOMEM. */
+ATTR_NODISCARD Status film_catch(Film *film, Error *error);
 void film_clear(Film *film);
 /* Takes all samples away from the pixels of a row from column x0 up to but without x1. */
 void film_forget_row(Film *film, uint32_t x0, uint32_t x1, uint32_t y);
@@ -50,6 +59,8 @@ void film_count_samples(const Film *film, const uint32_t crop[4], uint32_t *leas
 /* One sample, of a pixel in their order. Returns whether the sample, or the sum, was brighter than the film can hold (it is then
  * held at its limit). */
 bool film_add(Film *film, uint32_t x, uint32_t y, const float rgb[3], float alpha);
+/* The same of what the sample caught, if its film has room for that. */
+void film_add_caught(Film *film, uint32_t x, uint32_t y, const float lit[3], const float bare[3], float part);
 static inline void film_add_rays(Film *film, uint32_t x, uint32_t y, uint64_t rays)
 {
     film->pixels[(size_t)y * film->width + x].rays += rays;
@@ -75,6 +86,7 @@ bool film_load_row(Film *film, uint32_t x0, uint32_t x1, uint32_t y, BufReader *
 /* Adds the samples that come right behind a pixel's own, as if they had been added one by one. from: the number of the first of
  * them in the whole render; they are one or more. */
 void film_join(FilmPixel *pixel, const FilmPixel *next, uint32_t from);
+void film_join_caught(FilmCaught *caught, const FilmCaught *next);
 /* The means of a pixel's first samples and of its others, two pictures of one thing: of R, G, B and the luminance the square of
  * the difference, scaled so that it stands for the squared error of the mean of all, in the mean over pixels. 0 where there are
  * no two: with fewer than 2 samples, and in a slice without a number that is a power of two. */

@@ -92,9 +92,12 @@ static Status join_rows(Checkpoint *part, RenderState *row, RenderState *state, 
     uint32_t x0 = state->crop[0], x1 = state->crop[2];
     for (uint32_t y = state->crop[1]; y < state->crop[3]; y++) {
         TRY(checkpoint_read_row(part, row, 0, error));
-        for (uint32_t x = x0; x < x1; x++)
-            film_join(&state->film.pixels[(size_t)y * state->film.width + x], film_pixel(&row->film, x, 0),
-                      part->notes.first_sample);
+        for (uint32_t x = x0; x < x1; x++) {
+            size_t pixel = (size_t)y * state->film.width + x;
+            film_join(&state->film.pixels[pixel], film_pixel(&row->film, x, 0), part->notes.first_sample);
+            if (state->film.caught && row->film.caught)
+                film_join_caught(&state->film.caught[pixel], &row->film.caught[x]);
+        }
         if (!bright_film_join_row(&state->bright, x0, x1, y, &row->bright, 0) ||
             !aov_film_join_row(&state->aovs, x0, x1, y, &row->aovs, 0))
             return fail(error, STATUS_NOMEM, "out of memory for merging '%s'", part->path);

@@ -13,10 +13,12 @@
 #include "base/clock.h"
 #include "render/adapt.h"
 #include "render/aov_film.h"
+#include "render/caught.h"
 #include "render/denoise.h"
 #include "render/early.h"
 #include "render/film.h"
 #include "render/spread.h"
+#include "trace/catcher.h"
 #include "trace/guide.h"
 #include "trace/path.h"
 
@@ -206,6 +208,15 @@ static void report_picture(Job *job)
 
 _Static_assert(BRIGHT_NOTHING == SCENE_NONE, "what is seen first");
 
+/* Adds what a sample caught. What lights a catcher in any case has not come there by chance, as single bright samples: rgb becomes
+ * what is beyond that. */
+static void add_caught(Job *job, const CaughtSample *caught, uint32_t x, uint32_t y, float rgb[3])
+{
+    if (!(caught->part > 0)) return;
+    film_add_caught(&job->state->film, x, y, caught->lit, caught->bare, caught->part);
+    for (int i = 0; i < 3; i++) rgb[i] -= fminf(caught->bare[i], caught->lit[i]);
+}
+
 /* Returns whether it was brighter than the film can hold. */
 static bool render_sample(Job *job, unsigned worker, uint32_t x, uint32_t y, uint32_t index)
 {
@@ -223,6 +234,7 @@ static bool render_sample(Job *job, unsigned worker, uint32_t x, uint32_t y, uin
                      &before, &tracer->counters);
     bool saturated = film_add(&job->state->film, x, y, rgb, alpha);
     film_add_rays(&job->state->film, x, y, tracer->counters.rays - rays);
+    if (UNLIKELY(job->state->film.caught != NULL)) add_caught(job, &tracer->caught, x, y, rgb);
     if (job->state->bright.pixels) bright_film_add(&job->state->bright, x, y, rgb, tracer->seen, &tracer->reflected);
     return saturated;
 }
@@ -492,6 +504,7 @@ static Status state_init(RenderState *state, const RenderSettings *settings, con
     uint32_t width = settings->width, height = settings->height;
     TRY(film_init(&state->film, width, height, error));
     state->film.first_sample = settings->first_sample;
+    if (world->bare) TRY(film_catch(&state->film, error));
     if (settings->spreads) TRY(bright_film_init(&state->bright, settings->first_sample > 0, width, height, error));
     return aovs_init(state, settings, world, error);
 }
@@ -656,6 +669,21 @@ static Status find_spread(const RenderState *state, Pool *pool, Spread *spread, 
     return spread_init(spread, &state->film, &state->bright, state->crop, pool, error);
 }
 
+/* Fills in what has no samples yet, or averages noise away, and leaves of shadow catchers what they are in the picture. */
+static Status finish(const RenderState *state, bool complete, Pool *pool, Image *image, Error *error)
+{
+    const Film *film = &state->film;
+    uint32_t step = complete ? 1 : early_step(film, state->crop);
+    Image caught = {0};
+    Status status = film->caught ? caught_means(film, image, &caught, error) : STATUS_OK;
+    if (status == STATUS_OK && step <= 1 && state->aovs.guides)
+        status = denoise(film, &state->aovs, state->crop, pool, image, film->caught ? &caught : NULL, error);
+    if (status == STATUS_OK && film->caught) caught_take_all(film, &caught, image);
+    image_clear(&caught);
+    if (status == STATUS_OK && step > 1) early_fill(film, state->crop, step, image);
+    return status;
+}
+
 /* Of samples that are counted. */
 static Status resolve(const RenderState *state, const Spread *spread, Pool *pool, Image *image, RenderStats *stats,
                       Error *error)
@@ -674,10 +702,7 @@ static Status resolve(const RenderState *state, const Spread *spread, Pool *pool
     stats->spread_light = spread->light;
     stats->noise = adapt_noise(&state->film, moved, state->crop, pool);
     TRY(aov_film_resolve(&state->aovs, &state->film, moved, pool, image, error));
-    uint32_t step = stats->samples ? 1 : early_step(&state->film, state->crop);
-    if (step > 1) early_fill(&state->film, state->crop, step, image);
-    if (step > 1 || !state->aovs.guides) return STATUS_OK;
-    Status status = denoise(&state->film, &state->aovs, state->crop, pool, image, error);
+    Status status = finish(state, stats->samples > 0, pool, image, error);
     if (status != STATUS_OK) image_clear(image);
     return status;
 }
@@ -728,6 +753,9 @@ Status render_go_on(const CompiledScene *compiled, const RenderSettings *setting
     double cpu = clock_cpu_s(), now = clock_now_s();
     if (settings->by_chance) world_leave_to_chance(&world);
     if (settings->no_airlight) world.seeks_airlight = false;
+    World *bare;
+    Status status = catcher_world_new(&world, pool_threads(pool), &bare, error);
+    world.bare = bare;
     Job job = {.settings = settings,
                .events = events,
                .state = state,
@@ -736,9 +764,8 @@ Status render_go_on(const CompiledScene *compiled, const RenderSettings *setting
                .n_threads = pool_threads(pool),
                .start = now,
                .saved_at = now};
-    Status status = settings->aovs & ((AovSet)1 << AOV_UV | (AovSet)1 << AOV_BEHIND_UV)
-                        ? world_find_mesh_boxes(&world, error)
-                        : STATUS_OK;
+    if (status == STATUS_OK && settings->aovs & ((AovSet)1 << AOV_UV | (AovSet)1 << AOV_BEHIND_UV))
+        status = world_find_mesh_boxes(&world, error);
     if (status == STATUS_OK) status = job_init(&job, error);
     if (status == STATUS_OK) status = prepare(&job, &world, stats, error);
     bool too_early = (is_stopped(&job) || stats->searching) && job.first_samples == 0;
@@ -758,6 +785,7 @@ Status render_go_on(const CompiledScene *compiled, const RenderSettings *setting
     if (status == STATUS_OK && too_early) status = forget_samples(&job, error);
     spread_clear(&spread);
     job_clear(&job);
+    catcher_world_free(bare);
     world_clear(&world);
     return status;
 }

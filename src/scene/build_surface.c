@@ -303,6 +303,26 @@ static void finish_of(Builder *b, const EvalNode *node, SceneSurface *surface)
                         spec->thin_walled || spec->fuzz_weight > 0;
 }
 
+/* A picture that lies behind has no light of its own to add to, and is not seen through what stands before it. */
+static void check_catcher(Builder *b, const EvalNode *node, const SceneSurface *surface)
+{
+    const EvalProp *emission = eval_prop(node, "emission");
+    Span where = build_span(node, "shadow_catcher");
+    if (emission) {
+        Diagnostic *report =
+            diag_report(b->diag, D_CONFLICTING_PROPERTIES, where,
+                        "a shadow catcher cannot shine: it holds only what other things change of its light");
+        diag_note(b->diag, report, emission->span, "'emission' is set here");
+        diag_hint(b->diag, report, "put a light { } in its place, which shines on what is there all the same");
+    }
+    if (surface->thin || surface->painted) {
+        Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, where,
+                                         "a shadow catcher is opaque, and this surface lets light through");
+        diag_hint(b->diag, report,
+                  "leave 'thin' and 'transmission' out: a picture behind what is clear is seen through it as it is");
+    }
+}
+
 /* ---- what suits an object ---- */
 
 /* Whether a clear object's surface can have that. */
@@ -324,8 +344,9 @@ static void check_boundary(Builder *b, const EvalNode *node, Span where)
         const EvalProp *prop = &node->props[i];
         const char *name = prop->type->name;
         bool coat = strcmp(name, "coat") == 0 && !all_opaque, thin = strcmp(name, "thin") == 0;
-        bool shines = strcmp(name, "emission") == 0;
-        if (clear_has(name) || (transmission && !coat && !thin && !shines)) continue;
+        bool shines = strcmp(name, "emission") == 0, catches = strcmp(name, "shadow_catcher") == 0;
+        if (catches && !prop->as.truth) continue;
+        if (clear_has(name) || (transmission && !coat && !thin && !shines && !catches)) continue;
         Diagnostic *report = diag_report(
             b->diag, D_CONFLICTING_PROPERTIES, where,
             "an object with an interior is clear: its surface can be rough and have relief, but has no '%s'", name);
@@ -342,6 +363,8 @@ static void check_boundary(Builder *b, const EvalNode *node, Span where)
             diag_hint(b->diag, report, "the index is that of its medium, the interior");
         else if (thin)
             diag_hint(b->diag, report, "leave 'interior' out: on both sides of what is thin is what it stands in");
+        else if (catches)
+            diag_hint(b->diag, report, "leave 'interior' out: a shadow catcher is opaque");
         else if (!shines)
             diag_hint(b->diag, report,
                       "opaque is what has no interior: interior = none, where a prototype has one; transmission = .5 "
@@ -387,6 +410,9 @@ static void check_fits(Builder *b, const EvalNode *node, Span where, bool clear)
 {
     const EvalProp *mix = eval_prop(node, "mix");
     for (size_t i = 0; mix && i < mix->as.list.n; i++) check_fits(b, mix->as.list.nodes[i], where, clear);
+    if (mix && clear && eval_truth(node, "shadow_catcher"))
+        diag_report(b->diag, D_CONFLICTING_PROPERTIES, build_span(node, "shadow_catcher"),
+                    "an object with an interior is clear, and no shadow catcher");
     if (mix) return;
     if (clear)
         check_boundary(b, node, where);
@@ -406,7 +432,7 @@ bool build_surface_fits(Builder *b, const EvalProp *surface, bool clear)
 /* The mix's own row comes before those of its surfaces. */
 static void mix_of(Builder *b, const EvalNode *node, const EvalProp *mix, uint32_t row)
 {
-    static const char *const own[] = {"mix", "weight", "emission", "radiance"};
+    static const char *const own[] = {"mix", "weight", "emission", "radiance", "shadow_catcher"};
     for (size_t i = 0; i < node->n_props; i++) {
         const char *name = node->props[i].type->name;
         size_t k = 0;
@@ -427,6 +453,12 @@ static void mix_of(Builder *b, const EvalNode *node, const EvalProp *mix, uint32
             Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, emission->span,
                                              "a surface within a mix cannot have an 'emission' of its own");
             diag_hint(b->diag, report, "give it to the mix");
+        }
+        const EvalProp *catcher = eval_prop(part, "shadow_catcher");
+        if (catcher && catcher->as.truth) {
+            Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, catcher->span,
+                                             "a surface within a mix cannot be a shadow catcher by itself");
+            diag_hint(b->diag, report, "make the mix one");
         }
         parts[i] = build_surface(b, part);
     }
@@ -479,6 +511,8 @@ uint32_t build_surface(Builder *b, const EvalNode *node)
     uint32_t row = add_surface(b, surface);
     const EvalProp *mix = eval_prop(node, "mix");
     if (mix) mix_of(b, node, mix, row);
+    b->scene->surfaces[row].catches = eval_truth(node, "shadow_catcher");
+    if (b->scene->surfaces[row].catches) check_catcher(b, node, &b->scene->surfaces[row]);
     return row;
 }
 
@@ -543,6 +577,7 @@ const char *build_next_change(const SceneSurface *a, const SceneSurface *b, unsi
         {"metal", same_metal(a, b)},
         {"mix", a->mixed == b->mixed},
         {"thin", a->thin == b->thin},
+        {"shadow_catcher", a->catches == b->catches},
         {"bump", (a->bump == SCENE_NONE) == (b->bump == SCENE_NONE)},
         {"bump_height", a->bump_height == b->bump_height},
         {"normal_map", (a->normal_map == SCENE_NONE) == (b->normal_map == SCENE_NONE)},

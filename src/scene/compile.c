@@ -79,9 +79,8 @@ uint32_t compiled_hull(const CompiledScene *compiled, uint32_t object)
     return hull == NEST_OPAQUE ? SCENE_NONE : hull;
 }
 
-static RtcObject describe_object(const void *context, uint32_t i)
+RtcObject compiled_describe(const CompiledScene *compiled, uint32_t i)
 {
-    const CompiledScene *compiled = context;
     const Scene *scene = compiled->scene;
     const SceneObject *object = &scene->objects[i];
     RtcObject described = {.to_world = object->to_world,
@@ -93,6 +92,11 @@ static RtcObject describe_object(const void *context, uint32_t i)
     described.mesh_end = scene->shapes[object->shape].mesh_end;
     described.keys = scene_keys(scene, object);
     return described;
+}
+
+static RtcObject describe_object(const void *context, uint32_t i)
+{
+    return compiled_describe(context, i);
 }
 
 static Status build_geometry(CompiledScene *compiled, Pool *pool, Error *error)

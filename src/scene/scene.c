@@ -31,6 +31,13 @@ NestState scene_mixing_state(const SceneMedium *medium, bool is_world)
     return medium->mixes || is_world || spectrum_max(&medium->ior) <= most_gaseous_ior ? NEST_GAS : NEST_STATE_UNKNOWN;
 }
 
+bool scene_catches(const Scene *scene)
+{
+    for (uint32_t i = 0; i < scene->n_surfaces; i++)
+        if (scene->surfaces[i].catches) return true;
+    return false;
+}
+
 bool scene_has_portal(const Scene *scene)
 {
     for (uint32_t i = 0; i < scene->n_lights; i++)

@@ -102,6 +102,7 @@ typedef struct SceneSurface {
     bool emits;      /* shines by itself, from both sides */
     bool mixed;      /* instead of all but emission: a part spec.mix_weight of surfaces[mix[1]], the rest of [mix[0]] */
     bool painted;    /* says what part of a clear object's boundary is clear, or a part of the mix does */
+    bool catches;    /* shadows: straight before the camera it is only what other things change of its light */
     uint32_t n_textures;
     uint32_t bump;             /* SCENE_NONE, or a texture of heights, in units of bump_height */
     uint32_t normal_map;       /* SCENE_NONE, or a texture of vectors, each number 0..1 for -1..1 */
@@ -367,6 +368,8 @@ static inline bool surface_is_pane(const SceneSurface *surface)
 }
 /* Whether light of the environment is said to come in through some opening. */
 bool scene_has_portal(const Scene *scene);
+/* Whether some surface catches shadows. */
+bool scene_catches(const Scene *scene);
 /* Whether a surface, or a part of what it is a mix of, is a pane. */
 bool scene_surface_has_pane(const Scene *scene, uint32_t surface);
 /* Whether rays towards lights go through an object that has no interior: through panes, and holes in sheets, which are

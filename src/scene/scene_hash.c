@@ -224,6 +224,7 @@ static uint64_t surface_hash(const SceneSurface *surface, const Rows *rows)
     }
     add_number(&h, (double)surface->roughness);
     const BsdfSpec *spec = &surface->spec;
+    if (surface->catches) add_integer(&h, surface->catches);
     if (!surface->finished) { /* matte, or clear */
         if (spec->specular_roughness_anisotropy > 0) {
             add_number(&h, (double)spec->specular_roughness_anisotropy);

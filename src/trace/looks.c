@@ -45,6 +45,7 @@ Status looks_find(const Scene *scene, ObjectLook **looks, Error *error)
                          .light = object->light,
                          .whole = scene_whole(scene, i),
                          .shines = object->light != SCENE_NONE || (!bare && scene->surfaces[object->surface].emits),
+                         .catches = !bare && scene->surfaces[object->surface].catches,
                          .identity = object->texture_frame == SCENE_NONE ? 0 : scene_texture_identity(scene, i)};
     }
     free(first);

@@ -13,6 +13,7 @@ typedef struct ObjectLook {
     uint32_t light;    /* as the scene has it: SCENE_NONE when it does not shine */
     uint32_t whole;    /* scene_whole() */
     bool shines;       /* it is a light, or its surface gives light */
+    bool catches;      /* shadows, see catcher.h */
     uint64_t identity; /* scene_texture_identity() where the object has a frame for textures, else 0 */
 } ObjectLook;
 

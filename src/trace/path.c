@@ -14,6 +14,7 @@
 
 #include "trace/airlight.h"
 #include "trace/backdrop.h"
+#include "trace/catcher.h"
 #include "trace/event.h"
 #include "trace/probe.h"
 #include "trace/shade.h"
@@ -63,7 +64,8 @@ void tracer_clear(Tracer *tracer)
     free(tracer->passes);
     tracer->passes = NULL;
     tracers_free(tracer->looker, 1);
-    tracer->looker = NULL;
+    tracers_free(tracer->barer, 1);
+    tracer->looker = tracer->barer = NULL;
 }
 
 Tracer *tracers_new(const World *world, unsigned n)
@@ -224,6 +226,7 @@ static void follow(Path *path, bool first)
             return;
         }
         if (event.kind == EVENT_SCATTER && path->probing.is_probe) return;
+        if (UNLIKELY(path->catching && event.kind == EVENT_OPAQUE) && path->ray.sight) catcher_meet(path, &event);
         if (UNLIKELY(notes) ? !pass_noting(path, &event) : !pass_event(path, &event)) return;
     }
 }

@@ -83,6 +83,19 @@ typedef struct Reflected {
     float mean, rgb[3];
 } Reflected;
 
+/* What a path from the camera finds at a shadow catcher, see catcher.h. */
+typedef struct Catching {
+    float part;  /* that it carries there; 0: it has come to none */
+    bool alike;  /* nothing but the path's own light is known: bare is the same */
+    Lanes front; /* what it has found before, */
+    Lanes bare;  /* and what is found from there on where only lights and catchers are */
+} Catching;
+
+/* The same of a sample, as colours; lit: what is found from there on where all is. */
+typedef struct CaughtSample {
+    float part, lit[3], bare[3];
+} CaughtSample;
+
 /* What one thread needs; nothing is allocated per path but for lists that outgrow all before them. */
 typedef struct Tracer {
     _Alignas(MEMORY_APART) const World *world;
@@ -104,6 +117,9 @@ typedef struct Tracer {
     struct GuideLedger *ledger; /* of what a guide does that is tried out; NULL: none. Not owned */
     struct Backdrop *backdrop;  /* of what is seen past lamps, while that is found out; NULL: else. Not owned */
     struct Tracer *looker;      /* see tracer_lend; NULL: not yet needed */
+    struct Tracer *barer;       /* of the world's bare one; NULL: not yet needed */
+    Catching catching[2];       /* of both paths of the last sample, */
+    CaughtSample caught;        /* and what that comes to; where the world has a bare one */
     /* what the last path met first: the object, a combination's own row, or beyond these what scatters, also behind boundaries;
      * SCENE_NONE: nothing, or a light */
     uint32_t seen;

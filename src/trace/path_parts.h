@@ -74,6 +74,7 @@ typedef struct Decision {
 typedef struct Path {
     Tracer *tracer;
     struct PathFork *fork; /* where the second path of its sample is to begin; NULL: it has none */
+    Catching *catching;    /* what it finds if it comes to a shadow catcher; NULL: nobody asks, or it has come to one */
     Sampler sampler;
     WavelengthSample wavelengths;
     Lanes beta, ratio;
@@ -127,6 +128,7 @@ static inline void path_init(Path *path, Tracer *tracer, Sampler sampler)
     path->index_lane = -1;
     path->slab_way.bounce = SLAB_NOWHERE;
     path->fork = NULL;
+    path->catching = NULL;
     path->probing.bent = path->probing.is_probe = path->probing.found = false;
 }
 

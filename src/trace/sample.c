@@ -176,6 +176,10 @@ static bool follow_path(Tracer *tracer, const PixelSampler *pixel, FilmPoint poi
     path->again = !fork;
     set_colors(path, lanes);
     path->fork = fork;
+    if (UNLIKELY(world->bare != NULL)) {
+        path->catching = &tracer->catching[path->again];
+        *path->catching = (Catching){.bare = lanes_all(0)};
+    }
     tracer->reflected.mean = -1;
     if (UNLIKELY(!path_begin_at_camera(path, point))) {
         tracer->seen = SCENE_NONE;
@@ -235,6 +239,27 @@ static Lanes follow_again(Tracer *tracer, const PixelSampler *pixel, FilmPoint p
     return path.radiance;
 }
 
+/* What a sample caught, of paths whose light from catchers on comes to these lanes; that becomes all of the light. */
+static void take_caught(Tracer *tracer, const WavelengthSample *wavelengths, IndexLanes lanes, bool forked, bool kept,
+                        Lanes *radiance)
+{
+    const Catching *first = &tracer->catching[0], *second = kept ? first : &tracer->catching[1];
+    CaughtSample *caught = &tracer->caught;
+    caught->part = first->part;
+    if (!(first->part > 0) && !(forked && second->part > 0)) return;
+    Lanes lit = *radiance, bare = first->bare, front = first->front;
+    if (forked) {
+        bare = share_out(first->bare, second->bare, lanes);
+        front = share_out(first->front, second->front, lanes);
+    }
+    if (first->alike || second->alike) bare = lit;
+    color_from_lanes(lit, wavelengths, caught->lit);
+    color_from_lanes(bare, wavelengths, caught->bare);
+    *radiance = lanes_add(front, lit);
+    for (int i = 0; i < 3; i++)
+        if (!isfinite(caught->lit[i]) || !isfinite(caught->bare[i])) *caught = (CaughtSample){.part = 0};
+}
+
 void trace_sample(Tracer *tracer, const FilmSample *sample, float rgb[3], float *alpha)
 {
     const World *world = tracer->world;
@@ -255,11 +280,14 @@ void trace_sample(Tracer *tracer, const FilmSample *sample, float rgb[3], float 
     if (path.bent_apart && lanes.first >= 0)
         path.radiance =
             share_out(path.radiance, follow_again(tracer, pixel, point, &wavelengths, lanes, &fork, &path), lanes);
+    if (UNLIKELY(world->bare != NULL))
+        take_caught(tracer, &wavelengths, lanes, path.bent_apart && lanes.first >= 0, fork.kept, &path.radiance);
     *alpha = looks ? 1 - path.open : 0;
     color_from_lanes(path.radiance, &wavelengths, rgb);
     if (UNLIKELY(!isfinite(rgb[0]) || !isfinite(rgb[1]) || !isfinite(rgb[2]) || !isfinite(*alpha))) {
         tracer->counters.bad_samples++;
         rgb[0] = rgb[1] = rgb[2] = 0;
         *alpha = 1;
+        tracer->caught.part = 0;
     }
 }

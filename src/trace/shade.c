@@ -6,6 +6,7 @@
 #include "optics/sampling.h"
 #include "trace/airlight.h"
 #include "trace/backdrop.h"
+#include "trace/catcher.h"
 #include "trace/event.h"
 #include "trace/probe.h"
 #include "trace/shade_bsdf.h"
@@ -161,6 +162,7 @@ bool path_light_arrives(Path *path, const LightSample *light, Ray *ray, Lanes *b
     ray->t_max = light->distance;
     ray->target = light->object;
     ray->target_primitive = light->primitive;
+    if (UNLIKELY(world->own_compiled != NULL) && !catcher_world_has(world, light)) return false;
     Lanes transmittance;
     uint32_t medium;
     if (!path_sees(path, ray, &transmittance, &medium)) return false;

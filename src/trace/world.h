@@ -74,12 +74,14 @@ typedef struct World {
     uint32_t n_portal_maps;
     WorldMedia media;
     Beacons beacons;
-    Slabs slabs;               /* where light from infinity is looked for */
-    Balances *balances;        /* of surfaces; grows while rendering, by itself in order */
-    const struct Guide *guide; /* to lights behind glass, see guide.h; NULL: none. Not owned */
-    NestList camera_list;      /* the hulls around the camera's centre */
-    bool moves;                /* something does while the shutter is open */
-    bool camera_list_moves;    /* and so the camera's hulls may be others at other times */
+    Slabs slabs;                 /* where light from infinity is looked for */
+    Balances *balances;          /* of surfaces; grows while rendering, by itself in order */
+    struct World *bare;          /* NULL, or that of lights and shadow catchers alone, see catcher.h. Not owned */
+    CompiledScene *own_compiled; /* of such a world; NULL: this is none */
+    const struct Guide *guide;   /* to lights behind glass, see guide.h; NULL: none. Not owned */
+    NestList camera_list;        /* the hulls around the camera's centre */
+    bool moves;                  /* something does while the shutter is open */
+    bool camera_list_moves;      /* and so the camera's hulls may be others at other times */
     /* some hull's bounds come near the lens, or the picture plane: look for each ray's real origin, */
     bool lens_crosses;
     Lens *lens;          /* but where this knows it; NULL: nowhere */

@@ -48,9 +48,9 @@ static void run(Films *films, const uint32_t area[4])
     Image alone;
     assert_int_equal(aov_film_resolve(&films->aovs, &films->film, NULL, NULL, &films->noisy, &error), STATUS_OK);
     assert_int_equal(aov_film_resolve(&films->aovs, &films->film, NULL, NULL, &films->image, &error), STATUS_OK);
-    assert_int_equal(aov_film_resolve(&films->aovs, &films->film, NULL, NULL, &alone, &error), STATUS_OK);
+    assert_int_equal(aov_film_resolve(&films->aovs, &films->film, NULL, NULL, &alone, NULL, &error), STATUS_OK);
     assert_int_equal(pool_new(3, &pool, &error), STATUS_OK);
-    assert_int_equal(denoise(&films->film, &films->aovs, area, pool, &films->image, &error), STATUS_OK);
+    assert_int_equal(denoise(&films->film, &films->aovs, area, pool, &films->image, NULL, &error), STATUS_OK);
     pool_free(pool);
     assert_int_equal(denoise(&films->film, &films->aovs, area, NULL, &alone, &error), STATUS_OK);
     assert_memory_equal(alone.pixels, films->image.pixels, sizeof(float) * WIDTH * HEIGHT * (size_t)alone.n_channels);
