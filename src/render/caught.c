@@ -21,7 +21,6 @@ static float part_left(const float caught[CAUGHT_CHANNELS])
 
 void caught_take(const float caught[CAUGHT_CHANNELS], float part, float rgba[4])
 {
-    if (!(part > 0)) return;
     float left = part_left(caught);
     for (int i = 0; i < 3; i++) rgba[i] -= left * caught[CAUGHT_BARE + i];
     rgba[3] = fmaxf(rgba[3] - left * part, 0);

@@ -26,6 +26,7 @@ static void state_begin(RenderState *state, uint32_t first)
     Error error;
     *state = (RenderState){.crop = {1, 0, WIDTH, HEIGHT}};
     assert_int_equal(film_init(&state->film, WIDTH, HEIGHT, &error), STATUS_OK);
+    assert_int_equal(film_catch(&state->film, &error), STATUS_OK);
     assert_int_equal(bright_film_init(&state->bright, first > 0, WIDTH, HEIGHT, &error), STATUS_OK);
     AovSet set = (AovSet)1 << AOV_CRYPTOMATTE | (AovSet)1 << AOV_DEPTH;
     assert_int_equal(aov_film_init(&state->aovs, set, false, 0x1p-20, WIDTH, HEIGHT, &error), STATUS_OK);
@@ -42,6 +43,7 @@ static void state_make(RenderState *state, uint32_t first, uint32_t end)
                 uint32_t thing, pixel = y * WIDTH + x;
                 sample_at(pixel, i, rgb, &thing);
                 (void)film_add(&state->film, x, y, rgb, 1);
+                if (thing % 2) film_add_caught(&state->film, x, y, rgb, (float[]){rgb[1], rgb[2], rgb[0]}, rgb[0]);
                 bright_film_add(&state->bright, x, y, rgb, thing, &(Reflected){.mean = -1});
                 assert_true(tally_add(&state->aovs.tallies[0][pixel], thing, 1));
             }
@@ -71,6 +73,7 @@ static void states_are_equal(const RenderState *a, const RenderState *b)
             size_t i = (size_t)y * WIDTH + x;
             const BrightPixel *p = &a->bright.pixels[i], *q = &b->bright.pixels[i];
             assert_memory_equal(film_pixel(&a->film, x, y), film_pixel(&b->film, x, y), sizeof(FilmPixel));
+            assert_memory_equal(&a->film.caught[i], &b->film.caught[i], sizeof(FilmCaught));
             assert_memory_equal(p->rgb, q->rgb, sizeof p->rgb);
             assert_memory_equal(p->things, q->things, sizeof p->things);
             assert_memory_equal(p->counts, q->counts, sizeof p->counts);

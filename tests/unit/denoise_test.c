@@ -40,6 +40,34 @@ static void fill(Films *films, Level *level, uint32_t samples, float noise)
             }
 }
 
+/* What is carried along: the same colours, and half of them. */
+static Image carried_of(const Image *image)
+{
+    static const char *const names[DENOISE_CARRIED] = {"a", "b", "c", "d", "e", "f"};
+    Image carried;
+    Error error;
+    assert_int_equal(image_new(WIDTH, HEIGHT, names, DENOISE_CARRIED, &carried, &error), STATUS_OK);
+    for (size_t i = 0; i < (size_t)WIDTH * HEIGHT; i++)
+        for (size_t k = 0; k < 3; k++) {
+            float color = image->pixels[i * image->n_channels + k];
+            carried.pixels[i * DENOISE_CARRIED + k] = color;
+            carried.pixels[i * DENOISE_CARRIED + 3 + k] = 0.5f * color;
+        }
+    return carried;
+}
+
+/* The same stays so to the bit, wherever it is, and half remains half. */
+static void is_carried(Image *carried, const Image *image)
+{
+    for (size_t i = 0; i < (size_t)WIDTH * HEIGHT; i++)
+        for (size_t k = 0; k < 3; k++) {
+            float color = image->pixels[i * image->n_channels + k], *carries = carried->pixels + i * DENOISE_CARRIED;
+            assert_true(carries[k] == color);
+            assert_near(carries[3 + k], 0.5f * color, 1e-5 * fabs((double)color));
+        }
+    image_clear(carried);
+}
+
 /* With three threads, and the same bits with one. */
 static void run(Films *films, const uint32_t area[4])
 {
@@ -48,11 +76,13 @@ static void run(Films *films, const uint32_t area[4])
     Image alone;
     assert_int_equal(aov_film_resolve(&films->aovs, &films->film, NULL, NULL, &films->noisy, &error), STATUS_OK);
     assert_int_equal(aov_film_resolve(&films->aovs, &films->film, NULL, NULL, &films->image, &error), STATUS_OK);
-    assert_int_equal(aov_film_resolve(&films->aovs, &films->film, NULL, NULL, &alone, NULL, &error), STATUS_OK);
+    assert_int_equal(aov_film_resolve(&films->aovs, &films->film, NULL, NULL, &alone, &error), STATUS_OK);
     assert_int_equal(pool_new(3, &pool, &error), STATUS_OK);
-    assert_int_equal(denoise(&films->film, &films->aovs, area, pool, &films->image, NULL, &error), STATUS_OK);
+    Image carried = carried_of(&films->image);
+    assert_int_equal(denoise(&films->film, &films->aovs, area, pool, &films->image, &carried, &error), STATUS_OK);
+    is_carried(&carried, &films->image);
     pool_free(pool);
-    assert_int_equal(denoise(&films->film, &films->aovs, area, NULL, &alone, &error), STATUS_OK);
+    assert_int_equal(denoise(&films->film, &films->aovs, area, NULL, &alone, NULL, &error), STATUS_OK);
     assert_memory_equal(alone.pixels, films->image.pixels, sizeof(float) * WIDTH * HEIGHT * (size_t)alone.n_channels);
     image_clear(&alone);
 }
