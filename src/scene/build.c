@@ -368,6 +368,21 @@ static void check_world(Builder *b, bool distant)
                     "the world's medium '%s' shines and lets all light through: it is infinitely bright", medium->name);
 }
 
+/* lit: by lights, or the environment. */
+static void check_catchers(Builder *b, bool lit)
+{
+    const Scene *scene = b->scene;
+    for (uint32_t i = 0; i < scene->n_objects; i++) {
+        const SceneObject *object = &scene->objects[i];
+        if (lit || object->surface == SCENE_NONE || !scene->surfaces[object->surface].catches) continue;
+        Diagnostic *report = diag_report(
+            b->diag, D_IDLE_CATCHER, object->span,
+            "%s catches no shadows: what lights it are things that shine, which add their light", object->name);
+        diag_hint(b->diag, report, "let a light { } or an environment light it");
+        return;
+    }
+}
+
 static void check_whole(Builder *b)
 {
     const Scene *scene = b->scene;
@@ -377,12 +392,15 @@ static void check_whole(Builder *b)
         distant = distant || scene->lights[i].kind == LIGHT_DISTANT;
         shines = shines || scene->lights[i].kind != LIGHT_PORTAL;
     }
+    const bool lit = shines || (scene->environment && !environment_is_black(scene->environment));
     if (!scene->n_objects && !scene->n_lights && !scene->environment)
         diag_report_nowhere(b->diag, D_NOTHING_TO_RENDER, "the scene has no objects, lights or environment");
-    else if (!shines && (!scene->environment || environment_is_black(scene->environment)) && !any_emits(scene))
+    else if (!lit && !any_emits(scene))
         diag_hint(b->diag,
                   diag_report_nowhere(b->diag, D_NO_LIGHT, "nothing in the scene shines: the picture will be black"),
                   "write: environment { color = .5 }, for light from all around");
+    else
+        check_catchers(b, lit);
     for (uint32_t i = 0; i < scene->n_lights && !scene->environment; i++)
         if (scene->lights[i].kind == LIGHT_PORTAL)
             diag_report(b->diag, D_IDLE_PORTAL, scene->lights[i].span,

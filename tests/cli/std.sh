@@ -104,14 +104,14 @@ begin "std: nothing that it offers is missing from that scene, but whole set-ups
 std_scene mm
 for file in "$root"/src/std/*.mns; do
     for entry in $(sed -n 's/^def \([a-z][a-z0-9_]*\)(.*/\1/p' "$file"); do
-        case $entry in product_shot|tent_shot|dark_field|gem_shot|abbe|gem_ior|air_at) continue ;; esac
+        case $entry in product_shot|tent_shot|cutout_shot|dark_field|gem_shot|abbe|gem_ior|air_at) continue ;; esac
         grep -q "\\.$entry\\b" all.mns || flunk "$file: $entry is not tried"
     done
 done
 end
 
 begin "std: whole set-ups in five lines"
-for shot in product_shot tent_shot dark_field gem_shot; do
+for shot in product_shot tent_shot cutout_shot dark_field gem_shot; do
     cat > shot.mns << SCENE
 meniscus 1.0 unit cm
 use "std/gems.mns" as gems
