@@ -4,8 +4,8 @@
 
 #include <math.h>
 
-/* A channel in which the bare surface has less than this part of its brightest is noise, or out of the working space's colours: under
- * a red lamp green says nothing of a shadow. */
+/* A channel in which the bare surface has less than this part of its brightest is noise, or out of the working space's
+ * colours: under a red lamp green says nothing of a shadow. */
 #define LEAST_PART (1 / 256.0f)
 
 /* What part of a picture behind is left. Where there is no light, none is taken away. */

@@ -28,9 +28,9 @@ enum { DENOISE_LEAST_SAMPLES = 4 };
 enum { DENOISE_CARRIED = 6 };
 
 /* Of the pixels of the area, from x0, y0 up to but without x1, y1: the image's first channels, R, G and B, and noise.Y, as
- * aov_film_resolve makes them of film and aovs; aovs must keep guides. carried: NULL, or an image of DENOISE_CARRIED channels, which
- * belong to R, G and B in turn, of which the same means are taken, so that what is the same in both stays so. With the same bits for any number of threads. pool: NULL
- * is fine. STATUS_NOMEM. */
+ * aov_film_resolve makes them of film and aovs; aovs must keep guides. carried: NULL, or an image of DENOISE_CARRIED
+ * channels, which belong to R, G and B in turn, and of which the same means are taken: what is the same in both stays so. With the
+ * same bits for any number of threads. pool: NULL is fine. STATUS_NOMEM. */
 ATTR_NODISCARD Status denoise(const Film *film, const AovFilm *aovs, const uint32_t area[4], Pool *pool, Image *image,
                               Image *carried, Error *error);
 

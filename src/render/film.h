@@ -29,8 +29,8 @@ typedef struct FilmPixel {
     uint64_t rays; /* that the samples took: what they cost */
 } FilmPixel;
 
-/* What a pixel's samples found of shadow catchers, see trace/catcher.h and caught.h: sums as FilmPixel's, which has all of that light,
- * too, and for which catchers cover what is behind them. */
+/* What a pixel's samples found of shadow catchers, see trace/catcher.h and caught.h: sums as FilmPixel's, which has all of
+ * that light, too, and for which catchers cover what is behind them. */
 typedef struct FilmCaught {
     int64_t lit[3], bare[3], part;
 } FilmCaught;

@@ -208,8 +208,8 @@ static void report_picture(Job *job)
 
 _Static_assert(BRIGHT_NOTHING == SCENE_NONE, "what is seen first");
 
-/* Adds what a sample caught. What lights a catcher in any case has not come there by chance, as single bright samples: rgb becomes
- * what is beyond that. */
+/* Adds what a sample caught. rgb becomes what is beyond the light that is there in any case: only that may be a single bright
+ * sample, which would be taken out of both else, and is spread in one of them. */
 static void add_caught(Job *job, const CaughtSample *caught, uint32_t x, uint32_t y, float rgb[3])
 {
     if (!(caught->part > 0)) return;

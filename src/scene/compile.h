@@ -76,8 +76,8 @@ ATTR_NODISCARD Status compile_scene(const Scene *scene, NestPolicy policy, Pool 
 void compiled_scene_free(CompiledScene *compiled);
 /* An object as geometry. */
 RtcObject compiled_describe(const CompiledScene *compiled, uint32_t i);
-/* The same scene, with the same numbers of objects and hulls, in which nothing is there but lights and what catches shadows; it shares
- * all else, which must outlive it. NULL where nothing catches them. STATUS_NOMEM. */
+/* The same scene, with the same numbers of objects and hulls, in which nothing is there but lights and what catches shadows;
+ * it shares all else, which must outlive it. NULL where nothing catches them. STATUS_NOMEM. */
 ATTR_NODISCARD Status compiled_bare_new(const CompiledScene *compiled, unsigned n_threads, CompiledScene **out,
                                         Error *error);
 void compiled_bare_free(CompiledScene *bare);

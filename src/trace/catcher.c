@@ -61,8 +61,9 @@ static bool start_list(Tracer *bare, const Ray *ray)
                                                        &bare->list, NULL) == STATUS_OK;
 }
 
-/* Follows the path from the catcher that it has come to, in the bare world. What fills the way to there has been passed in the other
- * one; so the catcher is looked for along a straight line, by the same ray. False where it is not found, by a rounding. */
+/* Follows the path from the catcher that it has come to, in the bare world. What fills the way to there has been passed
+ * in the other one; so the catcher is looked for along a straight line, by the same ray. False where it is not found, by
+ * a rounding. */
 static bool follow_bare(const Path *path, Tracer *bare, const Event *met, Lanes *radiance)
 {
     Path other = *path;

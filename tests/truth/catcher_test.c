@@ -1,5 +1,5 @@
-/* catcher_test.c - shadow catchers: what is nothing where nothing is, shadows in closed form, and the picture that they make of another
- * one.
+/* catcher_test.c - shadow catchers: what is nothing where nothing is, shadows in closed form, and the picture that they
+ * make of another one.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "truth.h"
 
@@ -95,8 +95,9 @@ static Caught measure(const char *matter, const char *sky)
     return caught;
 }
 
-/* A disc of radius r at a height h takes r^2 / (r^2 + h^2) of an even sky from the place under its middle, and gives as much of its
- * own radiance; absorbers take 1 - exp(-s d) of light from above, and what is before the floor as much of all that comes from it. */
+/* A disc of radius r at a height h takes r^2 / (r^2 + h^2) of an even sky from the place under its middle, and gives as
+ * much of its own radiance; absorbers take 1 - exp(-s d) of light from above, and what is before the floor as much of all
+ * that comes from it. */
 static void shadows_have_their_depth(void **state)
 {
 #define DISC(what)                                                                                                     \
@@ -165,8 +166,9 @@ static void shadows_are_coloured(void **state)
 
 /* ---- over another picture ---- */
 
-/* The part of the pixels in which the picture over one of the bare scene is another than that of the whole scene, by more than three
- * standard errors; not none, as some have light that others have by chance. Each picture has samples of its own. */
+/* The part of the pixels in which the picture over one of the bare scene is another than that of the whole scene, by more
+ * than three standard errors; not none, as some have light that others have by chance. Each picture has samples of its
+ * own. */
 static double unlike_over_bare(const char *what, const char *text)
 {
     RenderSettings settings = truth_settings(SIDE, 256);
