@@ -219,7 +219,7 @@ void import_write_lights(Importer *im)
         import_say(im,
                    "A little light from all around, of which such a file says nothing: glass shows what is around it.");
     NodeText around = node_begin(im, "environment", NULL);
-    node_number(&around, "color", im->dark ? 0.3 : source->n_lights ? 0.05 * pow(2, -im->exposure) : 0.2);
+    node_number(&around, "color", im->dark ? 0.23 : source->n_lights ? 0.05 * pow(2, -im->exposure) : 0.2);
     node_end(&around);
 }
 

@@ -49,6 +49,7 @@ group { shapes.rod { path = [for (a in 0..90 by 5) 40mm * <cos(a), sin(a), 0>]  
 shapes.sheet { width = 20mm  height = 30mm  surface = surface { thin = true  transmission = 1  ior = 1.5 } }
 let sheet = bounds(group { shapes.sheet(20mm, 30mm) })
 assert(distance(sheet.min, <-10mm, 0, 0>) + distance(sheet.max, <10mm, 30mm, 0>) < .001mm)
+assert(hit(group { shapes.sheet(20mm, 30mm) }, <0, 9mm, -9mm>, z).normal.z > .99, "its front is at +z")
 assert(len(shapes.path_frames([x, y], z)) == 2 and length(shapes.disc_point(1, 2, 3mm)) <= 3mm)
 assert(len(shapes.hold_edges([<0, 0>, <9, 0>, <9, 1>], 1)) == 5)
 assert(len(shapes.hold_edges([for (a in 0..90 by 5) 100 * <cos(a), sin(a)>, <0, 200>], 1)) == 24)  // held: the ends alone
@@ -107,6 +108,22 @@ for file in "$root"/src/std/*.mns; do
         case $entry in product_shot|tent_shot|cutout_shot|dark_field|gem_shot|abbe|gem_ior|air_at) continue ;; esac
         grep -q "\\.$entry\\b" all.mns || flunk "$file: $entry is not tried"
     done
+done
+end
+
+begin "std: paper of a product_shot comes out about as bright as it is"
+for paper in .3 .6 .85; do
+    cat > paper.mns << SCENE
+meniscus 1.0 unit mm
+use "std/studio.mns" as studio
+studio.product_shot(100mm, paper = rgb($paper)) { sphere { radius = .1mm  center = <0, 40mm, 0>  surface = surface { } } }
+film { size = <12, 9> }
+SCENE
+    run render paper.mns -s 64 -q -o paper.exr
+    exits 0
+    run compare paper.exr paper.exr
+    mean=$(awk '/^mean of A/ { print $5 }' out)
+    awk "BEGIN { exit !($mean > .88 * $paper && $mean < 1.12 * $paper) }" || flunk "paper of $paper is $mean"
 done
 end
 
