@@ -547,3 +547,10 @@ const char *num_parse_list(const char *text, double *numbers, int n)
     }
     return text;
 }
+
+double num_round_down(double value, int digits)
+{
+    if (!(value > 0) || !isfinite(value)) return value;
+    double unit = pow(10, floor(log10(value)) - (digits - 1));
+    return floor(value / unit) * unit;
+}

@@ -32,5 +32,7 @@ size_t num_print_float(float value, char out[NUM_TEXT_SIZE]);
 /* The same for people, without the noise of rounding behind the 15th digit: 0.1 + 0.2 is 0.3, and not
  * 0.30000000000000004. */
 size_t num_print_rounded(double value, char out[NUM_TEXT_SIZE]);
+/* A number above 0 in so many digits, and not more than it is: for limits that somebody may write down. */
+double num_round_down(double value, int digits);
 
 #endif

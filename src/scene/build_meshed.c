@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/num.h"
 #include "shape/contour.h"
 #include "shape/meshed.h"
 #include "scene/build_parts.h"
@@ -233,13 +234,6 @@ static double sweep_tolerance(const Vec3 *path, size_t n, double size)
     return fmin(fmax(reach / 10000, size / 1000), size / 100);
 }
 
-/* In two digits, and not more. */
-static double rounded_down(double x)
-{
-    double unit = pow(10, floor(log10(x)) - 1);
-    return floor(x / unit) * unit;
-}
-
 static void hint_fit(Builder *b, Diagnostic *report, const SweepShape *shape, double fits)
 {
     const char *else_what =
@@ -249,10 +243,10 @@ static void hint_fit(Builder *b, Diagnostic *report, const SweepShape *shape, do
                   else_what);
     else if (!shape->outline && shape->n_scales == 1)
         diag_hint(b->diag, report, "a radius of %.2g, which fits all along the path, or wider bends; or %s",
-                  rounded_down(fits * shape->scales[0]), else_what);
+                  num_round_down(fits * shape->scales[0], 2), else_what);
     else
         diag_hint(b->diag, report, "%.2g times the %s, which fits all along the path, or wider bends; or %s",
-                  rounded_down(fits), shape->outline ? "size" : "radius", else_what);
+                  num_round_down(fits, 2), shape->outline ? "size" : "radius", else_what);
 }
 
 static Status make_sweep(Builder *b, const EvalNode *node, Mesh **mesh, Span *span, Error *error)

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/num.h"
 #include "scene/build_parts.h"
 
 void build_sphere(Builder *b, const EvalNode *node, const Affine *to_world)
@@ -98,7 +99,7 @@ static void build_cone_of(Builder *b, const EvalNode *node, const Affine *to_wor
     if (key.rounding > limit * (1 + 1e-12)) {
         diag_report(b->diag, D_VALUE_OUT_OF_RANGE, build_span(node, "rounding"),
                     "a rounding of %g does not fit this %s; the largest that does is %.9g", key.rounding,
-                    node->type->name, limit);
+                    node->type->name, num_round_down(limit, 9));
         return;
     }
     bool found;

@@ -3,9 +3,11 @@
  * walls use the same points, so that the solid is closed whatever its numbers are rounded to.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 #include "base/angle.h"
+#include "base/num.h"
 #include "shape/meshed.h"
 
 /* A copy of the outline: its height, how far it is moved inward, its scale, and how its normals lean: sine is their
@@ -121,10 +123,11 @@ static Status check_bevel(const PrismMaker *maker, Error *error)
         else
             high = middle;
     }
-    return fail(
-        error, STATUS_SCENE,
-        "a bevel of %g is too large: the outline is too narrow or bends too much near <%.6g, %.6g>; about %.2g fits",
-        bevel, near.x, near.y, low);
+    char fitting[48] = "";
+    if (low > 0) snprintf(fitting, sizeof fitting, "; one of %.2g fits", num_round_down(low, 2));
+    return fail(error, STATUS_SCENE,
+                "a bevel of %g is too large: the outline is too narrow or bends too much near <%.6g, %.6g>%s", bevel,
+                near.x, near.y, fitting);
 }
 
 static uint32_t add_wall_vertex(const PrismMaker *maker, const Ring *ring, size_t i, Point2 along)

@@ -124,6 +124,30 @@ static void prisms_that_cannot_be(void **state)
     fixture_clear(&f);
 }
 
+/* What a message offers must be taken. */
+static void bevels_that_are_said_to_fit_do(void **state)
+{
+    (void)state;
+    static const char star[] = FIXTURE_MEDIA "prism { interior = glass curve = cubic outline = [for (i in 0..<10) (i "
+                                             "%% 2 == 0 ? 2 : .9) * vec2(cos(36 * i), "
+                                             "sin(36 * i))] to = 1.5 bevel = %s }" FIXTURE_VIEW;
+    static const char *const tried[] = {".7", ".3", ".1", ".047", ".6"};
+    for (size_t i = 0; i < sizeof tried / sizeof *tried; i++) {
+        char text[1500], offer[20] = "";
+        Fixture f;
+        snprintf(text, sizeof text, star, tried[i]);
+        fixture_text(&f, text);
+        const Diagnostic *report = fixture_find(&f, D_DEGENERATE_SHAPE);
+        const char *at = report ? strstr(report->text, "; one of ") : NULL;
+        if (!at || sscanf(at, "; one of %19s fits", offer) != 1)
+            fail_msg("%s: %s", tried[i], report ? report->text : "-");
+        fixture_clear(&f);
+        snprintf(text, sizeof text, star, offer);
+        fixture_good(&f, text);
+        fixture_clear(&f);
+    }
+}
+
 static void sweeps(void **state)
 {
     (void)state;
@@ -550,6 +574,7 @@ int main(void)
         cmocka_unit_test(prisms),
         cmocka_unit_test(walls_are_numbered_in_order),
         cmocka_unit_test(prisms_that_cannot_be),
+        cmocka_unit_test(bevels_that_are_said_to_fit_do),
         cmocka_unit_test(sweeps),
         cmocka_unit_test(twisted_ends_do_not_cross),
         cmocka_unit_test(uneven_points_make_smooth_curves),

@@ -4,6 +4,8 @@
 #include "test.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <string.h>
 
 #include "base/attr.h"
 #include "base/hash.h"
@@ -193,11 +195,32 @@ static void test_floats(void **state)
     }
 }
 
+static void limits_in_few_digits_are_not_more_than_they_are(void **state)
+{
+    (void)state;
+    const double numbers[] = {0.0469, 0.047, 3.999, 1e-7, 0.29, 12345678.9, 0.3, 7};
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        for (int digits = 1; digits < 12; digits++) {
+            char text[40];
+            double said, down = num_round_down(numbers[i], digits), unit = 2 * numbers[i] * pow(10, 1 - digits);
+            snprintf(text, sizeof text, "%.*g", digits, down);
+            assert_true(num_parse(text, strlen(text), &said) > 0);
+            assert_true(said <= numbers[i] * (1 + 1e-15) && said > numbers[i] - unit);
+        }
+    assert_true(num_round_down(0.0469, 2) == 0.046);
+    assert_true(num_round_down(0, 2) == 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_reads),    cmocka_unit_test(test_prints),         cmocka_unit_test(test_random),
-        cmocka_unit_test(test_shortest), cmocka_unit_test(test_prints_rounded), cmocka_unit_test(test_floats),
+        cmocka_unit_test(limits_in_few_digits_are_not_more_than_they_are),
+        cmocka_unit_test(test_reads),
+        cmocka_unit_test(test_prints),
+        cmocka_unit_test(test_random),
+        cmocka_unit_test(test_shortest),
+        cmocka_unit_test(test_prints_rounded),
+        cmocka_unit_test(test_floats),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
