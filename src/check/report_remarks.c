@@ -277,15 +277,20 @@ static bool find_bounds(Remarks *r)
     return ready;
 }
 
-/* A room that is lit within is a room. */
+/* A room that is lit within is a room; by its own walls, too, which shine from both sides. */
 static bool holds_light(Remarks *r, uint32_t object)
 {
+    if (scene_shines(r->scene, object)) return true;
     for (uint32_t i = 0; i < r->scene->n_lights; i++) {
         const SceneLight *light = &r->scene->lights[i];
         if (light->kind == LIGHT_DISTANT || light->kind == LIGHT_PORTAL) continue;
         Vec3 place = light->object == SCENE_NONE ? light->to_world.t : box3_centre(r->bounds[light->object]);
         if (is_within(r, place, object)) return true;
     }
+    for (uint32_t i = 0; i < r->scene->n_objects; i++)
+        if (scene_shines(r->scene, i) && scene_whole(r->scene, i) == i && is_bounded(&r->bounds[i]) &&
+            is_within(r, box3_centre(r->bounds[i]), object))
+            return true;
     return false;
 }
 
