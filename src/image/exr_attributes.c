@@ -148,6 +148,7 @@ Status exr_visit_attributes(const char *path, void (*visit)(void *context, const
             visit(context, attribute->name, buf_text(&buf));
         buf_clear(&buf);
     }
+    if (status == STATUS_OK) status = exr_file_check_whole(&file, error);
     exr_file_close(&file);
     return status;
 }

@@ -177,6 +177,39 @@ static exr_result_t find_last_chunk(const ExrFile *file, const ExrPart *part)
     return exr_read_tile_chunk_info(file->context, 0, (int)column, (int)row, 0, 0, &chunk);
 }
 
+static exr_result_t find_lines(const ExrFile *file, const exr_attr_box2i_t *data)
+{
+    int32_t lines;
+    exr_chunk_info_t chunk;
+    exr_result_t result = exr_get_scanlines_per_chunk(file->context, 0, &lines);
+    for (int64_t y = data->min.y; result == EXR_ERR_SUCCESS && y <= data->max.y; y += lines)
+        result = exr_read_scanline_chunk_info(file->context, 0, (int)y, &chunk);
+    return result;
+}
+
+static exr_result_t find_tiles(const ExrFile *file, const exr_attr_box2i_t *data)
+{
+    int32_t width, height;
+    exr_chunk_info_t chunk;
+    exr_result_t result = exr_get_tile_sizes(file->context, 0, 0, 0, &width, &height);
+    if (result != EXR_ERR_SUCCESS) return result;
+    int64_t columns = ((int64_t)data->max.x - data->min.x) / width + 1;
+    int64_t rows = ((int64_t)data->max.y - data->min.y) / height + 1;
+    for (int64_t i = 0; result == EXR_ERR_SUCCESS && i < columns * rows; i++)
+        result = exr_read_tile_chunk_info(file->context, 0, (int)(i % columns), (int)(i / columns), 0, 0, &chunk);
+    return result;
+}
+
+Status exr_file_check_whole(const ExrFile *file, Error *error)
+{
+    ExrPart part = {0};
+    exr_result_t result = exr_get_storage(file->context, 0, &part.storage);
+    if (result == EXR_ERR_SUCCESS) result = exr_get_data_window(file->context, 0, &part.data);
+    if (result == EXR_ERR_SUCCESS && part.storage == EXR_STORAGE_SCANLINE) result = find_lines(file, &part.data);
+    if (result == EXR_ERR_SUCCESS && part.storage == EXR_STORAGE_TILED) result = find_tiles(file, &part.data);
+    return result == EXR_ERR_SUCCESS ? STATUS_OK : exr_fail_read(file->path, &file->bytes, result, error);
+}
+
 static Status image_for_part(const ExrPart *part, Image *image, Error *error)
 {
     const char *names[MAX_CHANNELS];

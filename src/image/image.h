@@ -73,7 +73,8 @@ ATTR_NODISCARD Status exr_read(const char *path, Image *image, Error *error);
 /* The attribute's text or number as text, into a malloc'd string; NULL text when it has none. */
 ATTR_NODISCARD Status exr_read_attribute(const char *path, const char *name, char **text, Error *error);
 /* Every attribute of the first part in the file's order, as text: windows, channels with their types, compression,
- * chromaticities and all that programs added. Attributes of types with no short text say their type and size. */
+ * chromaticities and all that programs added. Attributes of types with no short text say their type and size.
+ * STATUS_INPUT, when all is said, for a file that is cut short. */
 ATTR_NODISCARD Status exr_visit_attributes(const char *path,
                                            void (*visit)(void *context, const char *name, const char *text),
                                            void *context, Error *error);

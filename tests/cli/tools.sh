@@ -152,6 +152,19 @@ on_terminal xterm info a.exr
 matches out 'meniscus/objects .{200,260}\.\.\. \([0-9]* bytes; --json has all\)'
 end
 
+begin "info: a picture that is cut short is an error, as for view"
+small_scene
+run render small.mns -q -o a.exr
+head -c 1500 a.exr > cut.exr
+for options in '' --json; do
+    run info cut.exr $options
+    exits 4
+    says err "'cut.exr'"
+    says err 'damaged or cut short'
+    [ -s out ] && flunk "it describes what is not there"
+done
+end
+
 begin "info: meshes"
 cat > tetrahedron.obj <<'MESH'
 v 0 0 0

@@ -476,6 +476,11 @@ static void what_is_no_picture_is_refused(void **state)
     assert_refused(in_folder("magic.exr"), "damaged or cut short");
 }
 
+static void see_nothing(void *context, const char *name, const char *text)
+{
+    (void)context, (void)name, (void)text;
+}
+
 /* Every length of a small file, and every byte of it spoilt in turn: a status, never a crash. */
 static void damaged_files_are_refused_or_read(void **state)
 {
@@ -491,6 +496,7 @@ static void damaged_files_are_refused_or_read(void **state)
     for (size_t n = 0; n < length; n += n < 600 ? 1 : 97) {
         write_bytes(in_folder("cut.exr"), bytes, n);
         assert_int_equal(image_read(in_folder("cut.exr"), &again, &error), STATUS_INPUT);
+        assert_int_equal(exr_visit_attributes(in_folder("cut.exr"), see_nothing, NULL, &error), STATUS_INPUT);
     }
     for (size_t i = 4; i < length; i += i < 900 ? 1 : 53) {
         char kept = bytes[i];
