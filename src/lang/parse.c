@@ -550,6 +550,36 @@ static Stmt *parse_named(Parser *parser)
     return stmt;
 }
 
+static bool token_is_word(const Token *token, const char *word)
+{
+    return token->kind == TOKEN_NAME && strcmp(token->as.symbol->text, word) == 0;
+}
+
+/* "meniscus 1.0" */
+static bool at_header(const Parser *parser)
+{
+    return token_is_word(&parser->token, "meniscus") && peek(parser).kind == TOKEN_NUMBER;
+}
+
+static void skip_line(Parser *parser)
+{
+    do consume(parser);
+    while (parser->token.kind != TOKEN_END && !first_on_line(parser));
+}
+
+/* Behind something else, or the second one of files that were put together. */
+static bool parse_late_header(Parser *parser)
+{
+    if (!at_header(parser)) return false;
+    bool second = parser->file->version > 0;
+    Diagnostic *report = diag_report(parser->diag, second ? D_SYNTAX : D_MISSING_HEADER, token_span(parser),
+                                     "this is the header of a file, which stands at its top and nowhere else");
+    diag_hint(parser->diag, report, "%s",
+              second ? "leave it out: this file has one" : "let it be the first line, in front of all but comments");
+    skip_line(parser);
+    return true;
+}
+
 /* stmt = ";" | bind | param | def | flow | import | defaults | assign | prop | call | node | kids ; */
 Stmt *parse_stmt(Parser *parser)
 {
@@ -571,7 +601,7 @@ Stmt *parse_stmt(Parser *parser)
     case TOKEN_DEFAULTS: return parse_defaults(parser);
     case TOKEN_CHILDREN: return parse_kids(parser);
     case TOKEN_NAME:
-        if (parse_do_loop(parser) || parse_switch(parser)) return NULL;
+        if (parse_do_loop(parser) || parse_switch(parser) || parse_late_header(parser)) return NULL;
         return parse_foreach(parser) ? parse_flow(parser) : parse_named(parser);
     case TOKEN_ELSE: syntax_error(parser, token_span(parser), "'else' without an 'if' before it"); return NULL;
     case TOKEN_DIRECTIVE: parse_directive(parser); return NULL;
@@ -585,11 +615,6 @@ Stmt *parse_stmt(Parser *parser)
 /* ---- files ---- */
 
 enum { LANGUAGE_MAJOR = 1, LANGUAGE_MINOR = 0 };
-
-static bool token_is_word(const Token *token, const char *word)
-{
-    return token->kind == TOKEN_NAME && strcmp(token->as.symbol->text, word) == 0;
-}
 
 /* A macro or a property may be called unit, too. */
 static bool begins_statement(const Parser *parser)
@@ -658,16 +683,24 @@ static void parse_header_unit(Parser *parser)
     if (unit) consume(parser);
 }
 
-static void report_no_header(Parser *parser)
+/* Whether the header stands behind that of POV-Ray's scenes, as where a scene is carried over line by line. */
+static bool report_no_header(Parser *parser)
 {
     Span span = token_span(parser);
+    bool version = span.end - span.begin == 8 && memcmp(parser->lexer.text + span.begin, "#version", 8) == 0;
     Diagnostic *report = diag_report(parser->diag, D_MISSING_HEADER, span, "the file does not begin with its header");
-    diag_hint(parser->diag, report, "let the first line be: meniscus 1.0 unit mm");
-    if (parser->token.kind == TOKEN_DIRECTIVE)
+    bool directive = parser->token.kind == TOKEN_DIRECTIVE;
+    if (version) skip_line(parser);
+    bool below = version && at_header(parser);
+    if (below) {
+        diag_hint(parser->diag, report, "leave this out, so that the header is the first line");
+        diag_note(parser->diag, report, token_span(parser), "the header is here");
+    } else {
+        diag_hint(parser->diag, report, "let the first line be: meniscus 1.0 unit mm");
+    }
+    if (directive)
         diag_note_nowhere(parser->diag, report, "meniscus-povray(7) says how scenes of POV-Ray are written here");
-    if (span.end - span.begin == 8 && memcmp(parser->lexer.text + span.begin, "#version", 8) == 0) do
-            consume(parser); /* it is the header of those */
-        while (parser->token.kind != TOKEN_END && !first_on_line(parser));
+    return below;
 }
 
 /* "Meniscus 1.0" and "menicsus 1.0": the rest of the line is the header all the same. */
@@ -688,8 +721,7 @@ static void parse_header(Parser *parser, double unit_m)
                                          "the header of a file begins with 'meniscus'");
         diag_hint(parser->diag, report, "did you mean 'meniscus'?");
     } else if (!token_is_word(&parser->token, "meniscus")) {
-        report_no_header(parser);
-        return;
+        if (!report_no_header(parser)) return;
     }
     consume(parser);
     Span version_span = token_span(parser);
