@@ -489,6 +489,7 @@ static Status evaluate(Loader *loader, File *prelude, File *scene, Define *defin
     resolve_file(&resolver, scene, true);
     result->is_still = !resolver_uses(&resolver, PREDECLARED_CLOCK) && !resolver_uses(&resolver, PREDECLARED_FRAME) &&
                        !resolver_uses(&resolver, PREDECLARED_TIME);
+    result->passed_by = resolver.passed_by;
     Evaluator evaluator = {.diag = diag,
                            .arena = options->arena ? options->arena : loader->arena,
                            .options = options,

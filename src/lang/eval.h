@@ -164,6 +164,15 @@ typedef struct EvalParam {
     PropUnit measure;  /* of the numbers in value and range, as its literals say; UNIT_NONE: they do not say */
 } EvalParam;
 
+/* A call of a macro below defaults that say an interior or a surface: where the macro itself is written above them, or elsewhere,
+ * they do not reach into it. */
+typedef struct EvalPassedBy {
+    const struct EvalPassedBy *next; /* of an earlier call */
+    Span call, defaults;             /* defaults: of its type's word */
+    const NodeType *type;
+    const char *macro;
+} EvalPassedBy;
+
 typedef struct EvalResult {
     EvalNode **
         nodes; /* at top level, in order of the text: placed nodes, NODE_SINGLE settings (merged, one each), and named declarations */
@@ -177,8 +186,9 @@ typedef struct EvalResult {
     size_t n_files;
     EvalParam *params;
     size_t n_params;
-    uint64_t steps; /* that it took; see EvalLimits */
-    Buf printed;    /* what print() said; buf_clear it */
+    const EvalPassedBy *passed_by; /* NULL: none */
+    uint64_t steps;                /* that it took; see EvalLimits */
+    Buf printed;                   /* what print() said; buf_clear it */
 } EvalResult;
 
 /* Reads path ("-": standard input) and everything it includes, parses, evaluates, checks.

@@ -605,6 +605,32 @@ void resolve_defaults_of(Resolver *resolver, NodeExpr *node)
     node->defaults = slot_of(resolver, binding);
 }
 
+static bool says_matter(const NodeExpr *defaults)
+{
+    for (const Stmt *stmt = defaults->block->first; stmt; stmt = stmt->next)
+        if (stmt->kind == STMT_PROP &&
+            (strcmp(stmt->as.prop.name->text, "interior") == 0 || strcmp(stmt->as.prop.name->text, "surface") == 0))
+            return true;
+    return false;
+}
+
+void resolve_passed_by(Resolver *resolver, Span call, const Def *macro)
+{
+    for (size_t row = 0; row < resolver->schema->n_nodes; row++) {
+        const Symbol *symbol = resolver->defaults[row];
+        const Binding *binding = symbol ? symbol->binding : NULL;
+        while (binding && !says_matter(binding->defaults)) binding = binding->shadowed;
+        if (!binding) continue;
+        EvalPassedBy *passed = ARENA_NEW(resolver->arena, EvalPassedBy);
+        *passed = (EvalPassedBy){.next = resolver->passed_by,
+                                 .call = call,
+                                 .defaults = binding->defaults->path.span,
+                                 .type = &resolver->schema->nodes[row],
+                                 .macro = macro->name->text};
+        resolver->passed_by = passed;
+    }
+}
+
 /* Of what stands behind 'defaults': a name of the scene, or one that is not known. */
 static void report_no_type(Resolver *resolver, Span span, const Symbol *name)
 {
@@ -647,6 +673,7 @@ static void resolve_defaults(Resolver *resolver, Stmt *stmt)
                          .symbol = symbol,
                          .kind = BINDING_SLOT,
                          .level = resolver->level,
+                         .defaults = node,
                          .used = true};
     binding->index = new_slot(resolver);
     resolver->scope->bindings = binding;

@@ -26,6 +26,7 @@ struct Binding {
     Def *def;
     File *module;
     const NodeType *declares; /* as a NodeExpr does */
+    const NodeExpr *defaults; /* of a type's defaults; else NULL */
     const File *from;         /* that a use without a name brought it from; NULL: declared here */
     Stmt *import;             /* that brought it: by its name, or one of its names; NULL: declared here */
 };
@@ -70,7 +71,8 @@ typedef struct Resolver {
     bool library_itself;               /* it only declares, for others */
     Expr **late;                       /* expressions that see all that the scene declares at its top (--set) */
     size_t n_late;
-    unsigned n_unchanged; /* statements that were to change something, and were refused */
+    const struct EvalPassedBy *passed_by; /* calls that defaults do not reach into */
+    unsigned n_unchanged;                 /* statements that were to change something, and were refused */
 } Resolver;
 
 void resolver_init(Resolver *resolver, Diag *diag, SymbolTable *symbols, const Schema *schema,
@@ -101,6 +103,8 @@ void binding_use(Binding *binding); /* notes that something uses it */
 Slot scope_declare_slot(Resolver *resolver, Symbol *symbol, Span span);
 Slot slot_of(const Resolver *resolver, const Binding *binding);
 void resolve_defaults_of(Resolver *resolver, NodeExpr *node);
+/* Notes which defaults stand above a call of a macro, all of which pass it by. */
+void resolve_passed_by(Resolver *resolver, Span call, const Def *macro);
 void suggest_visible(Resolver *resolver, Diagnostic *report, const Symbol *wrong, bool functions, bool nodes);
 /* Notes where an unknown name is declared after all, further down; false when it is not. */
 bool note_later_declaration(Resolver *resolver, Diagnostic *report, const Symbol *symbol);

@@ -666,6 +666,7 @@ static void resolve_call(Resolver *resolver, Expr *expr)
     const Binding *binding = callee_binding(resolver, callee, &silent);
     if (binding && binding->kind == BINDING_DEF) {
         call_def(resolver, expr, EXPR_CALL_DEF, binding->def);
+        if (binding->def->block) resolve_passed_by(resolver, expr->span, binding->def);
         return;
     }
     const char *name = callee->kind == EXPR_NAME ? callee->as.name.symbol->text : NULL;
@@ -716,6 +717,7 @@ static void find_node(Resolver *resolver, NodeExpr *node)
         node->declares = binding->declares;
     } else if (binding && binding->kind == BINDING_DEF) {
         node->def = binding->def;
+        if (node->def->block) resolve_passed_by(resolver, node->path.span, node->def);
         node->type = NULL;
         node->def_hops = binding->def->level ? resolver->level - binding->def->level : 0;
     } else if (!node->type && (node->path.n == 1 || binding)) {

@@ -144,6 +144,22 @@ uint32_t build_add_named(Builder *b, const EvalNode *node, const char *name, uin
     return scene->n_objects++;
 }
 
+/* Defaults above the call of the macro that places the node, or above that of one around it. */
+static void note_passed_by(const Builder *b, const EvalNode *node, Diagnostic *report)
+{
+    for (const DiagChain *call = node->chain; call; call = call->outer)
+        for (const EvalPassedBy *passed = b->result.passed_by; passed; passed = passed->next) {
+            bool here = passed->call.source == call->span.source && passed->call.begin == call->span.begin;
+            if (passed->type != node->type || !here) continue;
+            diag_note(b->diag, report, passed->defaults,
+                      "these defaults do not reach into '%s', which is not below them", passed->macro);
+            if (node->span.source == passed->defaults.source)
+                diag_hint(b->diag, report, "put 'defaults %s' into the def that this %s is in, or above it",
+                          node->type->name, node->type->name);
+            return;
+        }
+}
+
 bool build_matter(Builder *b, const EvalNode *node, uint32_t shape, const EvalProp **interior, const EvalProp **surface)
 {
     *interior = eval_prop(node, "interior");
@@ -152,6 +168,7 @@ bool build_matter(Builder *b, const EvalNode *node, uint32_t shape, const EvalPr
         Diagnostic *report = diag_report(b->diag, D_MISSING_PROPERTY, node->span,
                                          "this %s has neither an interior nor a surface", node->type->name);
         diag_hint(b->diag, report, "clear: interior = a medium; opaque: surface = surface { albedo = .5 }");
+        note_passed_by(b, node, report);
         const SceneShape *row = shape == SCENE_NONE ? NULL : &b->scene->shapes[shape];
         if (row && row->materials)
             diag_note_nowhere(
