@@ -189,7 +189,7 @@ bool build_textures_wanted(const Builder *b);
 /* The row of the texture that a property has instead of a value; reports values outside of the property's range. *least,
  * *most: what a texture of numbers can come to. */
 uint32_t build_texture(Builder *b, const EvalProp *prop, TextureUse use, double *least, double *most);
-/* Squares of two reflectances in turn, in the world, as a surface's pattern = checker has them. */
+/* Cubes of two reflectances in turn, in the world, as a surface's pattern = checker has them. */
 uint32_t build_world_checker(Builder *b, const double rgb[3], const double other[3], double size);
 /* Whether a surface, or one that it is mixed of, has the texture of that row itself. */
 bool build_surface_includes(const Scene *scene, uint32_t surface, uint32_t row, unsigned depth);
