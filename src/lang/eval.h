@@ -144,8 +144,9 @@ typedef struct EvalOptions {
     const char *confine; /* NULL, or the folder that every file must be under */
     const char *preset;
     double clock;
-    int frame, frames;            /* of an animation; frames 0: the only frame, 1 */
-    double time;                  /* seconds */
+    int frame, frames; /* of an animation; frames 0: the only frame, 1 */
+    double time;       /* seconds */
+    bool beyond; /* numbers that a property does not take are the nearest that it does: the moment only blurs a frame */
     double srgb_to_working[9];    /* row-major, linear sRGB to the working space; all 0: identity */
     const EvalLibrary *library;   /* what `use` finds where no file of the scene's has the name; NULL: nothing */
     const EvalGeometry *geometry; /* NULL: nothing can be asked of shapes */

@@ -839,6 +839,28 @@ static bool texture_of_function(const Check *check, EvalProp *prop)
     return true;
 }
 
+/* The nearest to a number that the property takes. */
+static double nearest_allowed(const PropType *type, double number)
+{
+    const double beside_open_end = 1e-6; /* of an end that is not taken itself: as good as there */
+    if (number_allowed(type, number) || !isfinite(number)) return number;
+    double low = type->min, high = type->max;
+    if (type->flags & PROP_OPEN_MIN) low += beside_open_end * fmax(1, fabs(low));
+    if (type->flags & PROP_OPEN_MAX) high -= beside_open_end * fmax(1, fabs(high));
+    return number > low ? high : low;
+}
+
+/* A fade that ends with the clock goes on while the last frame's shutter is open, and nobody would say that it is wrong. */
+static Value near_value(const PropType *type, const Value *value)
+{
+    Value near = *value;
+    bool numbers = type->kind == PROP_NUMBER || type->kind == PROP_VECTOR2 || type->kind == PROP_VECTOR3 ||
+                   type->kind == PROP_COLOR || type->kind == PROP_SPECTRUM || type->kind == PROP_NUMBER_OR_TERM;
+    unsigned width = numbers ? value_width(value->kind) : 0;
+    for (unsigned i = 0; i < width; i++) near.as.v[i] = nearest_allowed(type, near.as.v[i]);
+    return near;
+}
+
 bool prop_check(Evaluator *evaluator, const PropType *type, Expr *expr, EvalProp *prop)
 {
     Check check = {.evaluator = evaluator, .type = type, .expr = expr};
@@ -871,5 +893,10 @@ bool prop_check(Evaluator *evaluator, const PropType *type, Expr *expr, EvalProp
             prop->type = NULL;
         return true;
     }
-    return value->kind != VALUE_POISON && check_value(&check, value, prop);
+    if (value->kind == VALUE_POISON) return false;
+    if (evaluator->options->beyond) {
+        room = near_value(type, value);
+        value = &room;
+    }
+    return check_value(&check, value, prop);
 }

@@ -104,6 +104,7 @@ Status scene_evaluate(const SceneText *text, const EvalOptions *given, const Sce
 {
     static const SceneAnimation still = {.n_frames = 1, .first_frame = 1, .fps = 24};
     EvalOptions options = *given;
+    options.beyond = moment->later > 0;
     DiagMark mark = diag_mark(diag);
     bool guessed = !moment->animation;
     SceneAnimation animation = guessed ? still : *moment->animation;

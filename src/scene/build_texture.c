@@ -51,18 +51,21 @@ static uint32_t add_light(Builder *b, const double rgb[3])
 
 /* ---- values ---- */
 
-/* A reflectance of channels that may be anything; false after reporting. */
+/* A reflectance of channels that may be anything; false after reporting. While the shutter is open one that is beyond what there is
+ * stays at the end of that, as numbers of properties do (EvalOptions.beyond). */
 static bool color_of(Builder *b, Span span, const char *name, const double rgb[3], Spectrum *out)
 {
-    for (int c = 0; c < 3; c++) {
-        if (rgb[c] >= 0 && rgb[c] <= 1) continue;
+    double near[3];
+    for (int c = 0; c < 3; c++) near[c] = fmin(fmax(rgb[c], 0), 1);
+    for (int c = 0; c < 3 && !build_is_later(b); c++) {
+        if (rgb[c] == near[c]) continue;
         Diagnostic *report =
             diag_report(b->diag, D_VALUE_OUT_OF_RANGE, span,
                         "'%s' has a channel of %g, and a colour of a surface is in 0..1", name, rgb[c]);
         diag_hint(b->diag, report, "more than 1 would reflect more light than there is");
         return false;
     }
-    *out = spectrum_from_reflectance(rgb);
+    *out = spectrum_from_reflectance(near);
     return true;
 }
 
@@ -73,14 +76,16 @@ static void wants_number(Builder *b, Span span, const char *name)
     diag_note(b->diag, report, b->texture_user->span, "'%s' takes the texture", b->texture_user->type->name);
 }
 
-/* Numbers of light are not below 0. */
+/* Numbers of light are not below 0; while the shutter is open those that are give none. */
 static bool is_light(Builder *b, const EvalProp *prop)
 {
     int n = prop->as.spectrum.form == SPECTRUM_TERM ? 0 : prop->as.spectrum.form == SPECTRUM_NUMBER ? 1 : 3;
     for (int c = 0; c < n; c++) {
         if (prop->as.spectrum.rgb[c] >= 0) continue;
-        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop->span, "'%s' has a channel of %g: there is no light below 0",
-                    prop->type->name, prop->as.spectrum.rgb[c]);
+        if (!build_is_later(b))
+            diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop->span,
+                        "'%s' has a channel of %g: there is no light below 0", prop->type->name,
+                        prop->as.spectrum.rgb[c]);
         return false;
     }
     return true;

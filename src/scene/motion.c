@@ -202,22 +202,19 @@ static void compare_with(Finder *f, const Places *places)
     }
 }
 
-/* The first mistake of another time, at its place: the same texts were read then. */
-static void report_later(Finder *f, const Diag *then, double later)
+void scene_report_later(Diag *diag, const Diag *then, const char *otherwise, double later, double clock)
 {
+    static const char format[] = "%.3g of a frame later, while the shutter is open: %s";
     const Diagnostic *first = then->first;
     while (first && first->severity != DIAG_ERROR) first = first->next;
     uint32_t source = first && first->has_span ? first->span.source : UINT32_MAX;
-    const SourceSet *now = f->diag->sources;
+    const SourceSet *now = diag->sources;
     bool placed = source < now->n && source < then->sources->n &&
                   now->sources[source].length == then->sources->sources[source].length;
-    const char *text = first ? first->text : f->error->text;
-    if (placed)
-        diag_report(f->diag, D_SHUTTER_MISTAKE, first->span, "%.3g of a frame later, while the shutter is open: %s",
-                    later, text);
-    else
-        diag_report_nowhere(f->diag, D_SHUTTER_MISTAKE, "%.3g of a frame later, while the shutter is open: %s", later,
-                            text);
+    const char *text = first ? first->text : otherwise;
+    Diagnostic *report = placed ? diag_report(diag, D_SHUTTER_MISTAKE, first->span, format, later, text)
+                                : diag_report_nowhere(diag, D_SHUTTER_MISTAKE, format, later, text);
+    if (clock > 1) diag_hint(diag, report, "the clock is %.4g then; min(clock, 1) goes no further than 1", clock);
 }
 
 /* Builds the scene `later` frames after it was, and compares. Its mistakes are those of another clock: the first is
@@ -229,14 +226,15 @@ static Status look_later(Finder *f, double later)
     SceneOptions at = *f->options;
     at.moment.later += later;
     diag_init(&diag, &f->other_arena, &sources);
-    Status status = build_at_moment(f->text, &at, &diag, &f->other, NULL, NULL, f->error);
+    SceneInstant instant;
+    Status status = build_at_moment(f->text, &at, &diag, &f->other, NULL, &instant, f->error);
     if (status == STATUS_OK) {
         Places places;
         TRY(places_init(&places, f->other, f->error));
         f->places = places.slots;
         compare_with(f, &places);
     } else if (status == STATUS_SCENE) {
-        report_later(f, &diag, later);
+        scene_report_later(f->diag, &diag, f->error->text, later, instant.clock);
         fail(f->error, STATUS_SCENE, "the scene has errors");
     }
     return status;

@@ -16,4 +16,8 @@
 ATTR_NODISCARD Status scene_find_motion(const SceneText *text, const SceneOptions *options, const SceneInstant *instant,
                                         Diag *diag, Scene *scene, Error *error);
 
+/* Reports the first mistake of a scene that was evaluated or built `later` frames after the diag's moment, while the shutter is
+ * open, at a clock; where it stands, if the same texts were read then. otherwise: what is told where `then` holds none. */
+void scene_report_later(Diag *diag, const Diag *then, const char *otherwise, double later, double clock);
+
 #endif

@@ -225,6 +225,42 @@ says err '"framesTotal": 6'
 says err '"event": "frames", "wanted": 6, "rendered": 3, "skipped": 0'
 end
 
+begin "a mistake in the last frame, until its shutter closes, is told before the first is rendered"
+moving_scene
+sed -i 's/^camera { /&shutter = 180  /' moving.mns
+sed 's/albedo = [^ ]*/albedo = clock/' moving.mns > fade.mns
+echo 'sphere fades { radius = 1  surface = surface { albedo = clock }  translate(<clock, 20, 0>) }' >> fade.mns
+run check fade.mns --frames all
+exits 0
+says err "'albedo' of fades changes while the shutter is open"
+run render fade.mns
+exits 0
+there fade.0006.exr
+for late in 'assert(clock <= 1, "too late")' 'let steps = [1, 2, 3, 4, 5, 6]  print(steps[floor(5 * clock + .6)])'; do
+    { cat moving.mns; echo "$late"; } > late.mns
+    for command in 'check' 'check --frames all' 'render'; do
+        run $command late.mns
+        exits 3
+        says err '[shutter-mistake]'
+        says err 'in frame 6'
+        says err 'min(clock, 1)'
+        matches err '^late\.mns: 1 error$'
+    done
+    gone late.0001.exr
+    run render late.mns --frames 1..2
+    exits 0
+    rm -f late.*.exr
+done
+{ cat moving.mns; echo 'sphere { radius = 1  surface = surface { albedo = 1.05 * clock } }'; } > bright.mns
+for command in 'check' 'check --frames all' 'render'; do
+    run $command bright.mns
+    exits 3
+    says err 'albedo 1.05 is outside 0..1'
+    says err 'in frame 6'
+done
+gone bright.0001.exr
+end
+
 begin "a warning is said once for all frames; print in each"
 moving_scene
 echo 'warn("careful")  print("frame ", frame)' >> moving.mns

@@ -114,6 +114,13 @@ static const struct {
     {"if (clock < .2) { sphere { interior = glass } } else { sphere { interior = glass } } environment { }", NULL},
     {"sphere ball { interior = glass  priority = clock < .2 ? 1 : 2 } environment { }", "the priority of ball"},
     {BALL("albedo = .5 + clock / 2"), "'albedo' of ball"},
+    /* numbers that are not taken any more, later on, are the nearest that are */
+    {BALL("albedo = .7 + clock"), "'albedo' of ball"},
+    {BALL("albedo = 1 - 2.1 * clock"), "'albedo' of ball"},
+    {"sphere ball { radius = .4 - clock  surface = surface { } } environment { }", NULL},
+    {"light lamp { shape = sphere  from = y  radius = 1  radiance = .4 - clock } sphere { interior = glass } "
+     "environment { }",
+     "what shines of lamp"},
     {BALL("albedo = .5  ior = 1.5  roughness = clock < .2 ? .1 : clock > .4 ? .1 : .3"), "'roughness' of ball"},
     {BALL("albedo = clock < .2 ? noise { } : .5"), "'albedo' of ball"},
     {BALL("mix = [surface { albedo = .2 }, surface { albedo = .2 + clock }]"), "'albedo' of ball"},
@@ -172,6 +179,19 @@ static void other_values_stay_and_are_told(void **state)
         if (report && !strstr(report->text, changes[i].told)) fail_msg("%s: %s", changes[i].text, report->text);
         fixture_clear(&scene);
     }
+}
+
+/* A fade that ends with the clock goes on beyond it while the last frame's shutter is open, and so does a way. */
+static void beyond_the_end_of_a_fade_things_move_on(void **state)
+{
+    (void)state;
+    Fixture scene;
+    fixture_good(&scene, FIXTURE_MEDIA
+                 "sphere ball { surface = surface { albedo = .7 + clock  }  center = <8 * clock, 0, 0> } "
+                 "sphere { surface = surface { albedo = gradient { from = .7 + clock  to = .1 } } }" HALF);
+    assert_near(keys_of(&scene, 0)[2].t.x, 4, 1e-12);
+    assert_non_null(fixture_find(&scene, D_VALUE_CHANGES));
+    fixture_clear(&scene);
 }
 
 static void shapes_that_come_back_are_told(void **state)
@@ -429,6 +449,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(places_follow_the_clock),
         cmocka_unit_test(without_a_shutter_nothing_moves),
+        cmocka_unit_test(beyond_the_end_of_a_fade_things_move_on),
         cmocka_unit_test(height_fields_deform),
         cmocka_unit_test(meshes_deform_and_cones_do_not),
         cmocka_unit_test(other_values_stay_and_are_told),
