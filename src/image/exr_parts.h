@@ -47,7 +47,7 @@ ATTR_NODISCARD Status exr_fail_read(const char *path, const ExrBytes *bytes, exr
 ATTR_NODISCARD Status exr_file_open(const char *path, ExrFile *file, Error *error);
 void exr_file_close(ExrFile *file);
 
-/* exr_read.c: whether all pixels of the first part are there, as far as the places and sizes say that its scan lines or tiles have;
+/* exr_read.c: whether all pixels of the first part are there, as far as the places and sizes of its scan lines or tiles say;
  * of other kinds nothing is known. */
 ATTR_NODISCARD Status exr_file_check_whole(const ExrFile *file, Error *error);
 
