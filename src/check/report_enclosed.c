@@ -222,6 +222,20 @@ static bool stands_out(Enclosures *e, uint32_t inner, uint32_t outer)
     return false;
 }
 
+/* Whether a round thing that stands still is held whole, as one ball: a lamp that nearly fills its globe would take more cells than
+ * there are. */
+static bool is_held_as_ball(Enclosures *e, uint32_t inner, uint32_t outer)
+{
+    const SceneObject *object = &e->scene->objects[inner];
+    const Solid *solid = object->shape == SCENE_NONE ? NULL : e->scene->shapes[object->shape].solid;
+    double scale = affine_even_scale(&object->to_world, 5e-10);
+    if (!solid || solid->n_pieces != 1 || solid->pieces[0].kind != PIECE_SPHERE || object->motion != SCENE_NONE ||
+        !(scale > 0))
+        return false;
+    Ball ball = {object->to_world.t, solid->pieces[0].r0 * scale + 16 * rounding_in(e->bounds[inner])};
+    return side_of(e, outer, ball) == BALL_INSIDE;
+}
+
 static void look_at(Enclosures *e, uint32_t inner, uint32_t outer)
 {
     if (is_light(e, outer) || !e->may_hold[outer] || stands_out(e, inner, outer)) return;
@@ -234,7 +248,7 @@ static void look_at(Enclosures *e, uint32_t inner, uint32_t outer)
         held = side_of(e, outer, ball_around(e->bounds[inner])) == BALL_INSIDE;
     } else {
         Proof proof = {inner, outer, e->compiled->hull_of_object[inner] == SCENE_NONE, CELLS_OF_PAIR};
-        held = is_held(e, &proof, e->bounds[inner], 0);
+        held = is_held_as_ball(e, inner, outer) || is_held(e, &proof, e->bounds[inner], 0);
     }
     if (held) e->holder[inner] = outer;
 }

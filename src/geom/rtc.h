@@ -209,7 +209,11 @@ void rtc_surfaces_at(const RtcScene *scene, Vec3 place, double time, RtcFound *f
 /* The distance that the coordinates of a point can be off by rounding: four units in the last place of its
  * largest coordinate in float. Surfaces nearer to each other than this stand at one place. 0 at the origin, where what is told
  * apart is up to the coordinates of what stands there. */
-double rtc_rounding(Vec3 p);
+#define RTC_ROUNDING 0x1p-21
+static inline double rtc_rounding(Vec3 p)
+{
+    return RTC_ROUNDING * vec3_max_abs(p);
+}
 
 /* The shading normal: unit, outward; on the geometric normal's side. It is that one deep in a wedge between surfaces.
  * rtc_smooth_normal: of a hit that is smooth. */

@@ -11,11 +11,6 @@
  * area as the ray sees it: some roundings of float. */
 #define EDGE_NOISE 0x1p-19
 
-double rtc_rounding(Vec3 p)
-{
-    return TRUSTED_ULPS * UNIT_ROUNDING * vec3_max_abs(p);
-}
-
 /* Whether a candidate is the surface that the ray starts on: the same primitive, at the start to within the rounding of
  * double. The two crossings of a curved piece are told apart by their direction, however close they are. */
 static inline bool is_left(const Query *query, uint32_t object, uint32_t primitive, double t, double cos_normal)

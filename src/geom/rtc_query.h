@@ -9,7 +9,7 @@
  * divided by the cosine; the start is moved back by 2,048, for surfaces near it that are grazed: what is nearer to the start along
  * its normal than coordinates are trusted stands at one place with it. */
 #define UNIT_ROUNDING 0x1p-23
-#define TRUSTED_ULPS 4.0
+#define TRUSTED_ULPS (RTC_ROUNDING / UNIT_ROUNDING)
 #define EMBREE_NOISE 0x1p-20
 #define START_BACK 0x1p-12
 /* Rays are from afar that start so many times as far away as RtcScene.piece_reach. */

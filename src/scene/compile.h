@@ -138,7 +138,7 @@ ATTR_NODISCARD Status compiled_stand(const CompiledScene *compiled, SceneCamera 
 /* Reports a camera that is on a surface, or in other media than its `expect` says; STATUS_SCENE after that. */
 ATTR_NODISCARD Status compile_check_camera(const CompiledScene *compiled, uint32_t camera, Diag *diag, Error *error);
 /* Warns of lights that are on a surface of a clear object: without size, so that rounding decides on which side, or flat and in a
- * face that they shine into, which counts as inside. STATUS_NOMEM. */
+ * face that they shine into, which counts as inside; and of two lamps at one place, of which one hides the other. STATUS_NOMEM. */
 ATTR_NODISCARD Status compile_check_lights(const CompiledScene *compiled, Diag *diag, Error *error);
 
 #endif

@@ -1,6 +1,8 @@
-/* compile_light.c - lights on the surfaces of clear objects, where what becomes of their light is up to rounding.
+/* compile_light.c - lights on the surfaces of clear objects, where what becomes of their light is up to rounding; and at one
+ * place with other lamps, of which one hides the other.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "scene/compile.h"
+#include "scene/ties.h"
 
 enum { MOST = 10, PLACES = 5 };
 
@@ -55,18 +57,31 @@ static Status check_point(const CompiledScene *compiled, const SceneLight *light
     return STATUS_OK;
 }
 
-/* One that is flat, asked for at its middle and halfway to its corners. */
-static Status check_flat(const CompiledScene *compiled, const SceneLight *light, HitList *hits, uint32_t *n, Diag *diag)
+/* Places on a light that has a surface, in the world, and which way it shines there: the middle of one that is flat, and halfway to
+ * its corners. */
+static void find_places(const SceneLight *light, Vec3 places[PLACES], Vec3 up[PLACES])
 {
     double x = 0.5 * light->half_width, z = light->kind == LIGHT_DISC ? x : 0.5 * light->half_height;
-    const Vec3 places[PLACES] = {{0, 0, 0}, {x, 0, z}, {-x, 0, z}, {x, 0, -z}, {-x, 0, -z}};
-    Vec3 axis = affine_vector(&light->to_world, vec3(0, 1, 0));
+    const Vec3 on_flat[PLACES] = {{0, 0, 0}, {x, 0, z}, {-x, 0, z}, {x, 0, -z}, {-x, 0, -z}};
+    const Vec3 of_ball[PLACES] = {{0, 1, 0}, {.6, 0, .8}, {-.6, 0, .8}, {.6, 0, -.8}, {-.48, -.6, -.64}};
+    for (int i = 0; i < PLACES; i++) {
+        bool ball = light->kind == LIGHT_SPHERE;
+        up[i] = affine_vector(&light->to_world, ball ? of_ball[i] : vec3(0, 1, 0));
+        places[i] = affine_point(&light->to_world, ball ? vec3_scale(of_ball[i], light->half_width) : on_flat[i]);
+    }
+}
+
+/* One that is flat, in a face of a clear object. */
+static Status check_flat(const CompiledScene *compiled, const SceneLight *light, HitList *hits, uint32_t *n, Diag *diag)
+{
+    Vec3 places[PLACES], up[PLACES];
     RtcSurface surface = {0};
     uint32_t n_found = 0;
+    find_places(light, places, up);
     for (int i = 0; i < PLACES; i++) {
         RtcSurface here;
         bool found;
-        TRY(find_surface(compiled, affine_point(&light->to_world, places[i]), &axis, hits, &here, &found));
+        TRY(find_surface(compiled, places[i], &up[i], hits, &here, &found));
         if (found && n_found++ == 0) surface = here;
     }
     if (2 * n_found <= PLACES || ++*n > MOST) return STATUS_OK;
@@ -79,17 +94,66 @@ static Status check_flat(const CompiledScene *compiled, const SceneLight *light,
     return STATUS_OK;
 }
 
+/* Whether what stands at one place with a light is a lamp that is declared later, or a surface that shines. */
+static bool shines_there(const CompiledScene *compiled, const SceneLight *light, Vec3 up, const RtcSurface *surface)
+{
+    const Scene *scene = compiled->scene;
+    const SceneObject *object = &scene->objects[surface->object];
+    double facing = vec3_dot(vec3_from_f(surface->normal), up);
+    bool lamp = object->light != SCENE_NONE;
+    if (lamp ? !ties_wins(scene, light->object, true, surface->object, true) : !scene_shines(scene, surface->object))
+        return false;
+    return (lamp || scene->shapes[object->shape].closed ? facing : fabs(facing)) > 1 - 1e-6;
+}
+
+/* The first such object, where there is one at most of a light's places; SCENE_NONE: there is none. */
+static uint32_t find_lamp_there(const CompiledScene *compiled, const SceneLight *light)
+{
+    Vec3 places[PLACES], up[PLACES];
+    uint32_t n_found = 0, first = SCENE_NONE;
+    find_places(light, places, up);
+    for (int i = 0; i < PLACES; i++) {
+        SurfacesHere here;
+        uint32_t k = 0;
+        compiled_surfaces_at(compiled, places[i], 0, &here);
+        while (k < here.n && (here.items[k].object == light->object || is_clear(compiled, &here.items[k]) ||
+                              !shines_there(compiled, light, up[i], &here.items[k])))
+            k++;
+        if (k < here.n && n_found++ == 0) first = here.items[k].object;
+    }
+    return 2 * n_found > PLACES ? first : SCENE_NONE;
+}
+
+static void check_shared(const CompiledScene *compiled, const SceneLight *light, uint32_t *n, Diag *diag)
+{
+    uint32_t other = find_lamp_there(compiled, light);
+    if (other == SCENE_NONE || ++*n > MOST) return;
+    const SceneObject *object = &compiled->scene->objects[other];
+    Diagnostic *report;
+    if (object->light != SCENE_NONE)
+        report = diag_report(diag, D_LIGHT_ON_SURFACE, light->span,
+                             "%s is at one place with %s, which is declared later: there only %s shines", light->name,
+                             object->name, object->name);
+    else
+        report = diag_report(diag, D_LIGHT_ON_SURFACE, light->span,
+                             "%s is on the surface of %s, which shines, too: there only %s does", light->name,
+                             object->name, light->name);
+    diag_note(diag, report, object->span, "%s is here", object->name);
+    diag_hint(diag, report, "leave one of them out, or move it; their light does not add up");
+}
+
 Status compile_check_lights(const CompiledScene *compiled, Diag *diag, Error *error)
 {
     HitList hits = {0};
     Status status = STATUS_OK;
     uint32_t n = 0;
-    for (uint32_t i = 0; compiled->n_hulls && status == STATUS_OK && i < compiled->scene->n_lights; i++) {
+    for (uint32_t i = 0; status == STATUS_OK && i < compiled->scene->n_lights; i++) {
         const SceneLight *light = &compiled->scene->lights[i];
         if (light->kind == LIGHT_POINT)
-            status = check_point(compiled, light, &hits, &n, diag);
-        else if (light_is_flat(light))
+            status = compiled->n_hulls ? check_point(compiled, light, &hits, &n, diag) : STATUS_OK;
+        else if (compiled->n_hulls && light_is_flat(light))
             status = check_flat(compiled, light, &hits, &n, diag);
+        if (light->object != SCENE_NONE) check_shared(compiled, light, &n, diag);
     }
     hit_list_clear(&hits);
     if (status != STATUS_OK) return fail_memory(error, 0, "the lights' surroundings");

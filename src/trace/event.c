@@ -5,6 +5,7 @@
 
 #include "base/array.h"
 #include "nest/csg.h"
+#include "scene/ties.h"
 #include "trace/airlight.h"
 #include "trace/shade_bsdf.h"
 
@@ -100,18 +101,16 @@ ATTR_APART static const Hit *painted_hit(const World *world, const Hit *hits, si
     return NULL;
 }
 
-/* Crosses several surfaces at one place into tracer->next; if any is opaque, that one is to be shaded. before: the list in
- * front of them. */
+/* Crosses several surfaces at one place into tracer->next; if any is opaque, the one of these that is met is to be shaded. before: the
+ * list in front of them. */
 static bool cross_cluster(Tracer *tracer, const NestList *before, Event *event)
 {
     const Hit *hits = tracer->hits.items;
-    event->kind = EVENT_BOUNDARY;
-    for (size_t i = 0; i < event->n_cluster; i++) {
-        if (tracer->world->compiled->hull_of_object[hits[i].object] == SCENE_NONE) {
-            event->kind = EVENT_OPAQUE;
-            event->hit = hits[i];
-            return true;
-        }
+    const Hit *met = ties_met(tracer->world->compiled, hits, event->n_cluster);
+    event->kind = met ? EVENT_OPAQUE : EVENT_BOUNDARY;
+    if (met) {
+        event->hit = *met;
+        return true;
     }
     if (nest_list_copy(&tracer->next, before) != STATUS_OK ||
         !path_cross(tracer, &tracer->next, hits, event->n_cluster, &event->crossing))

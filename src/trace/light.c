@@ -45,12 +45,13 @@ static void sample_sphere(uint32_t object, double radius, Vec3 centre, Vec3 from
     Vec3f direction = sampling_cone(u[0], u[1], vec3f_from(vec3_scale(to, 1 / vec3_length(to))), (float)cone);
     /* to the near side: what is within the light does not hide it, and a medium takes nothing beyond that */
     Vec3 along = vec3_from_f(direction), beside = vec3_cross(to, along);
-    double distance = vec3_dot(to, along) - sqrt(fmax(radius * radius - vec3_dot(beside, beside), 0));
-    *sample = (LightSample){.direction = direction,
-                            .distance = distance * (1 + 1e-5),
-                            .object = object,
-                            .primitive = RTC_NO_OBJECT,
-                            .pdf_w = sampling_cone_pdf((float)cone)};
+    double depth = sqrt(fmax(radius * radius - vec3_dot(beside, beside), 0)), distance = vec3_dot(to, along) - depth;
+    *sample =
+        (LightSample){.direction = direction,
+                      .distance = light_look_distance(distance, depth / radius, vec3_along(from, distance, along)),
+                      .object = object,
+                      .primitive = RTC_NO_OBJECT,
+                      .pdf_w = sampling_cone_pdf((float)cone)};
 }
 
 static void sample_distant(const SceneLight *light, const float u[2], LightSample *sample)
@@ -73,7 +74,7 @@ static void sample_place(Vec3 from, Vec3 place, Vec3 normal, bool two_sided, dou
         return;
     }
     *sample = (LightSample){.direction = vec3f_from(vec3_scale(to, 1 / distance)),
-                            .distance = light_look_distance(distance, cosine),
+                            .distance = light_look_distance(distance, cosine, place),
                             .object = RTC_NO_OBJECT,
                             .primitive = RTC_NO_OBJECT,
                             .pdf_w = (float)(distance * distance / (cosine * area))};
@@ -184,7 +185,7 @@ static Lanes sample_emission(const World *world, const SceneSurface *surface, co
         return spectrum_at(&surface->emission, query->wavelength_nm);
     Ray ray = ray_make(query->from, sample->direction);
     ray.time = query->time;
-    Hit hit = {.t = sample->distance / (1 + 1e-5), .object = emitter->of, .primitive = emitter->part};
+    Hit hit = {.t = sample->distance, .object = emitter->of, .primitive = emitter->part};
     if (emitter->kind == EMITTER_BALL) { /* of which the sample knows the direction only */
         const SceneObject *object = &world->scene->objects[emitter->of];
         double radius = ball_radius(world, object, emitter->part);

@@ -23,11 +23,11 @@ typedef struct LightSample {
 } LightSample;
 
 /* How far to look for what hides a place on a light's surface, which is met at that cosine. The direction is rounded to float, so
- * that the ray meets the surface a little beside the place: nothing that near to it blocks, and a wall right behind a flat light is
- * not reached. */
-static inline double light_look_distance(double distance, double cosine)
+ * that the ray meets the surface a little beside the place: nothing that near to it blocks, nor anything that is at one place with
+ * it, over which the light wins (scene/ties.h), and a wall right behind a flat light is not reached. */
+static inline double light_look_distance(double distance, double cosine, Vec3 place)
 {
-    return distance * fmax(1 - 4e-7 / cosine, 0.5);
+    return distance - double_min((4e-7 * distance + rtc_rounding(place)) / cosine, 0.5 * distance);
 }
 
 /* The radiance, also of the environment: looked up when nothing is in the way, as it may be far away in memory. */

@@ -96,14 +96,14 @@ void light_flat_sample(const SceneLight *light, const Affine *to_world, Vec3 fro
     bool in_patch = find_patch(light, to_world, from, &patch);
     Vec3 local = in_patch ? point_of_patch(&patch, u) : local_point(light, u);
     if (in_patch) area = area_of(&patch);
-    Vec3 to = vec3_sub(affine_point(to_world, local), from);
+    Vec3 place = affine_point(to_world, local), to = vec3_sub(place, from);
     double distance = vec3_length(to), cosine = -vec3_dot(to, normal) / distance;
     *sample = (LightSample){.pdf_w = 0};
     *radiance = !(cosine > 0) ? 0 : UNLIKELY(light_is_focused(light)) ? light_shape(light, vec3(0, cosine, 0)) : 1;
     bool beside = in_patch && light->kind == LIGHT_DISC && local.x * local.x + local.z * local.z > w * w;
     if (!(*radiance > 0) || !(area > 0) || beside) return;
     *sample = (LightSample){.direction = vec3f_from(vec3_scale(to, 1 / distance)),
-                            .distance = light_look_distance(distance, cosine),
+                            .distance = light_look_distance(distance, cosine, place),
                             .object = light->object,
                             .primitive = RTC_NO_OBJECT,
                             .pdf_w = (float)(distance * distance / (cosine * area))};

@@ -4,6 +4,7 @@
 
 #include "optics/fresnel.h"
 #include "optics/sampling.h"
+#include "scene/ties.h"
 #include "trace/airlight.h"
 #include "trace/backdrop.h"
 #include "trace/catcher.h"
@@ -152,6 +153,28 @@ bool path_sees(Path *path, Ray *ray, Lanes *transmittance, uint32_t *medium_at_l
     return UNLIKELY(path->tracer->world->slabs.n) && isinf(ray->t_max) && slab_shadow(path, ray, transmittance);
 }
 
+/* Whether another lamp is met where a ray has looked for this one, see scene/ties.h. No direction finds this one there by chance, so it
+ * must not be found by looking, either. */
+ATTR_APART static bool has_yielded(Path *path, const LightSample *light, const Ray *looked)
+{
+    Tracer *tracer = path->tracer;
+    const CompiledScene *compiled = tracer->world->compiled;
+    uint32_t object = light_sample_object(tracer->world, light);
+    if (object == RTC_NO_OBJECT || !tracer->world->yields[object]) return false;
+    Ray ray = *looked;
+    ray.t_min = light->distance;
+    ray.t_max = 2.5 * light->distance; /* the look went half of the way at least */
+    ray.target = RTC_NO_OBJECT;
+    rtc_all(compiled->rtc, &ray, false, &tracer->shadow_hits);
+    const Hit *hits = tracer->shadow_hits.items;
+    for (size_t begin = 0, end, n = tracer->shadow_hits.n; begin < n; begin = end) {
+        end = begin + rtc_cluster(hits + begin, n - begin);
+        for (size_t i = begin; i < end; i++)
+            if (hits[i].object == object) return ties_met(compiled, hits + begin, end - begin)->object != object;
+    }
+    return false;
+}
+
 bool path_light_arrives(Path *path, const LightSample *light, Ray *ray, Lanes *basic)
 {
     const World *world = path->tracer->world;
@@ -169,6 +192,7 @@ bool path_light_arrives(Path *path, const LightSample *light, Ray *ray, Lanes *b
     if (UNLIKELY(light->glow) &&
         !media_is_there(world->compiled, &world->media, light->glow->place, &path->tracer->shadow_list))
         return false;
+    if (UNLIKELY(world->yields) && has_yielded(path, light, ray)) return false;
     if (isinf(light->distance)) medium = WORLD_MEDIUM;
     Lanes radiance = light_sample_radiance(world, light, path->wavelengths.nm);
     *basic = lanes_mul(transmittance, path_basic_radiance(world, radiance, medium, path->wavelengths.nm));

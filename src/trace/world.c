@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/angle.h"
+#include "scene/ties.h"
 #include "trace/backdrop.h"
 #include "trace/light_reach.h"
 
@@ -235,6 +236,7 @@ static Status find_beacons(World *world, Error *error)
 static Status init_lights(World *world, Pool *pool, Error *error)
 {
     TRY(emitters_find(world->compiled, &world->media, pool, &world->emitters, error));
+    TRY(ties_find_yielding(world->scene, &world->yields, error));
     for (unsigned reach = 0; reach < REACHES; reach++) TRY(choose_lights(world, reach, error));
     TRY(slabs_find(world->compiled, &world->slabs, error));
     TRY(light_reach_find(world, error));
@@ -329,6 +331,7 @@ void world_leave_to_chance(World *world)
 void world_clear(World *world)
 {
     emitters_clear(&world->emitters);
+    free(world->yields);
     for (uint32_t i = 0; i < world->n_portal_maps; i++) portal_map_free(world->portal_maps[i]);
     free(world->portal_maps);
     free(world->portals);

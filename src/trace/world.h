@@ -68,6 +68,7 @@ typedef struct World {
     /* of each medium: how far light may come straight into it, and through flat faces; see light_reach.h */
     uint8_t *reach, *reach_through;
     EmitterSet emitters;
+    bool *yields; /* NULL, or of each object, whether it shines and may yield to another there; see scene/ties.h */
     WorldPortal *portals; /* where the scene has an environment that shines */
     uint32_t n_portals;
     PortalMap **portal_maps;
