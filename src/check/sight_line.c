@@ -7,6 +7,7 @@
 #include "base/array.h"
 #include "check/report_parts.h"
 #include "nest/cross.h"
+#include "scene/ties.h"
 
 /* A combination has a surface where it begins or ends, and none where an operand does so within it, or outside. Leaves of n hits those
  * whose objects have one; entering becomes the object's own. */
@@ -81,12 +82,9 @@ static bool add_step(const CompiledScene *compiled, Hit *hits, size_t n, NestLis
     if (fine) n = keep_surfaces(compiled, &before, list, hits, n);
     nest_list_clear(&before);
     if (!fine || n == 0) return fine;
-    const Hit *first = &hits[0], *opaque = NULL;
+    const Hit *opaque = ties_met(compiled, hits, n), *first = opaque ? opaque : &hits[0];
     bool painted = false;
-    for (size_t i = 0; i < n && !opaque; i++) {
-        if (compiled->hull_of_object[hits[i].object] == SCENE_NONE) opaque = first = &hits[i];
-        painted |= scene_is_painted(compiled->scene, hits[i].object);
-    }
+    for (size_t i = 0; i < n; i++) painted |= scene_is_painted(compiled->scene, hits[i].object);
     SightKind kind = opaque || crossing.opaque ? SIGHT_OPAQUE : kind_of(compiled, &crossing);
     if (painted && (kind == SIGHT_MERGED || kind == SIGHT_ALIKE)) kind = SIGHT_PAINTED;
     line->steps[line->n++] = (SightStep){.distance = hits[0].t,

@@ -51,8 +51,8 @@ static Status check_point(const CompiledScene *compiled, const SceneLight *light
     if (!found || ++*n > MOST) return STATUS_OK;
     Diagnostic *report =
         diag_report(diag, D_LIGHT_ON_SURFACE, light->span,
-                    "%s has no size and is on the surface of %s: whether it is inside is up to rounding", light->name,
-                    compiled->scene->objects[surface.object].name);
+                    "%s has no size and is on the surface of %s: it lights both sides of that, as if it were on each",
+                    light->name, compiled->scene->objects[surface.object].name);
     compiled_advise_off_surface(compiled, &surface, report, diag);
     return STATUS_OK;
 }

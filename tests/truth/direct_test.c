@@ -137,6 +137,70 @@ static void under_a_ceiling(void **state)
         }
 }
 
+/* Lamps in the very plane of a ceiling, of a box or of the room that the place is in, and on a globe: they win. */
+static void flush_with_surfaces(void **state)
+{
+    (void)state;
+    static const Vec3 corners[] = {{-15, 20, -6}, {15, 20, -6}, {15, 20, 6}, {-15, 20, 6}};
+    static const char *const behind[] = {"box { from = <-90, 20, -90>  to = <90, 30, 90>",
+                                         "box { from = <-90, -1, -90>  to = <90, 20, 90>"};
+    static const char *const dark[] = {"albedo = 0", "albedo = 0  emission = 9"};
+    const double disc = TRUTH_PI * 225 / 625, quad = fabs(lamberts_polygon(corners, 4));
+    char light[500];
+    for (int i = 0; i < 2; i++) {
+        snprintf(light, sizeof light,
+                 "%s  surface = surface { %s } }\n"
+                 "light { shape = disc  radius = 15  from = <0, 20, 0>  to = <0, 0, 0>  radiance = 2 }",
+                 behind[i], dark[0]);
+        expect_both(i ? "disc in the ceiling of a room" : "disc in a ceiling", light, NULL, 2 * disc, 4096);
+        snprintf(light, sizeof light,
+                 "light { size = <30, 12>  from = <0, 20, 0>  to = <0, 0, 0>  radiance = 2 }\n"
+                 "%s  surface = surface { %s } }",
+                 behind[i], dark[0]);
+        expect_both(i ? "quad in the ceiling of a room" : "quad in a ceiling", light, NULL, 2 * quad, 4096);
+        snprintf(light, sizeof light,
+                 "light { shape = sphere  from = <0, 20, 0>  radius = 10  radiance = 2 }\n"
+                 "sphere { center = <0, 20, 0>  radius = 10  surface = surface { %s } }",
+                 dark[i]);
+        expect_both(i ? "sphere on a globe that shines, too" : "sphere on a globe", light, NULL,
+                    TRUTH_PI * 2 * 100 / 400, 2048);
+    }
+    expect_both("spot in a ceiling",
+                "light { shape = spot  from = <3, 20.1, 1>  to = <0, 0, 0>  angle = 60deg  intensity = 90 }\n"
+                "box { from = <-90, 20.1, -90>  to = <90, 30, 90>  surface = surface { albedo = 0 } }",
+                NULL, 90 * 1e6 * 20.1 / pow(414.01, 1.5), 0);
+}
+
+/* Two lamps at one place: the one that is met shines, as far as it reaches, and what it covers of the other does not. */
+static void lamps_at_one_place(void **state)
+{
+    (void)state;
+    static const Vec3 corners[] = {{-15, 20, -6}, {15, 20, -6}, {15, 20, 6}, {-15, 20, 6}},
+                      wide[] = {{-90, 20, -90}, {90, 20, -90}, {90, 20, 90}, {-90, 20, 90}};
+    const double quad = fabs(lamberts_polygon(corners, 4)), ceiling = fabs(lamberts_polygon(wide, 4)),
+                 small = TRUTH_PI * 25 / 425, disc = TRUTH_PI * 225 / 625;
+    expect_both("two spheres",
+                "light { shape = sphere  from = <0, 20, 0>  radius = 10  radiance = 7 }\n"
+                "light { shape = sphere  from = <0, 20, 0>  radius = 10  radiance = 2 }",
+                NULL, TRUTH_PI * 2 * 100 / 400, 2048);
+    expect_both("two quads",
+                "light { size = <30, 12>  from = <0, 20, 0>  to = <0, 0, 0>  radiance = 7 }\n"
+                "light { size = <30, 12>  from = <0, 20, 0>  to = <0, 0, 0>  radiance = 2 }",
+                NULL, 2 * quad, 4096);
+    expect_both("disc on a quad",
+                "light { size = <30, 12>  from = <0, 20, 0>  to = <0, 0, 0>  radiance = 2 }\n"
+                "light { shape = disc  radius = 5  from = <0, 20, 0>  to = <0, 0, 0>  radiance = 7 }",
+                NULL, 2 * quad + 5 * small, 4096);
+    expect_both("disc in a ceiling that shines",
+                "light { shape = disc  radius = 15  from = <0, 20, 0>  to = <0, 0, 0>  radiance = 2 }\n"
+                "box { from = <-90, 20, -90>  to = <90, 30, 90>  surface = surface { albedo = 0  emission = 3 } }",
+                NULL, 3 * (ceiling - disc) + 2 * disc, 1024);
+    expect_both("lamps back to back",
+                "light { size = <30, 12>  from = <0, 20, 0>  to = <0, 0, 0>  radiance = 2 }\n"
+                "light { size = <30, 12>  from = <0, 20, 0>  to = <0, 40, 0>  radiance = 7 }",
+                NULL, 2 * quad, 4096);
+}
+
 /* What shines into a cone alone, and lights the place from all of that: pi L sin^2; less where it fades, as L is then that of its middle.
  * By power it is the power over the light's area, whatever the cone. */
 static void into_a_cone(void **state)
@@ -482,11 +546,23 @@ static void lamps_of_lines(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(spheres),         cmocka_unit_test(quads),          cmocka_unit_test(discs),
-        cmocka_unit_test(under_a_ceiling), cmocka_unit_test(into_a_cone),    cmocka_unit_test(from_infinity),
-        cmocka_unit_test(in_murk),         cmocka_unit_test(bulb_in_murk),   cmocka_unit_test(agree_in_fog),
-        cmocka_unit_test(through_panes),   cmocka_unit_test(holes_in_glass), cmocka_unit_test(sun_through_slab),
-        cmocka_unit_test(through_slabs),   cmocka_unit_test(double_glazing), cmocka_unit_test(lamps_of_lines),
+        cmocka_unit_test(spheres),
+        cmocka_unit_test(quads),
+        cmocka_unit_test(discs),
+        cmocka_unit_test(under_a_ceiling),
+        cmocka_unit_test(flush_with_surfaces),
+        cmocka_unit_test(lamps_at_one_place),
+        cmocka_unit_test(into_a_cone),
+        cmocka_unit_test(from_infinity),
+        cmocka_unit_test(in_murk),
+        cmocka_unit_test(bulb_in_murk),
+        cmocka_unit_test(agree_in_fog),
+        cmocka_unit_test(through_panes),
+        cmocka_unit_test(holes_in_glass),
+        cmocka_unit_test(sun_through_slab),
+        cmocka_unit_test(through_slabs),
+        cmocka_unit_test(double_glazing),
+        cmocka_unit_test(lamps_of_lines),
     };
     return cmocka_run_group_tests_name("direct light", tests, NULL, NULL);
 }

@@ -391,6 +391,12 @@ static void enclosed_things_are_proved(void **state)
         {"box a { size = <9, 9, 9>" OPAQUE
          "} light b { shape = quad size = <1, 1> from = <1, 1, 1> to = <4, 3, 2> radiance = 1 }",
          D_ENCLOSED_LIGHT, "b is wholly inside of a, which is opaque: none of its light comes out"},
+        /* it nearly fills its globe, and its housing */
+        {"sphere a { radius = 5" OPAQUE "} light b { shape = sphere radius = 4.999 from = <0, 0, 0> radiance = 1 }",
+         D_ENCLOSED_LIGHT, "b is wholly inside of a, which is opaque: none of its light comes out"},
+        {"box a { size = <10, 10, 10>" OPAQUE
+         "} light b { shape = sphere radius = 4.999 from = <0, 0, 0> radiance = 1 }",
+         D_ENCLOSED_LIGHT, "b is wholly inside of a, which is opaque: none of its light comes out"},
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         Fixture f;
@@ -437,6 +443,10 @@ static void what_may_be_seen_is_not_enclosed(void **state)
         /* of many things that are strewn some are hidden */
         "box a { size = <10, 10, 10>" OPAQUE "} for (i in 0..9) { sphere { center = <i, 0, 0> radius = .1" OPAQUE "} }",
         "light a { shape = sphere radius = 5 radiance = 1 from = <0, 0, 0> } sphere b {" OPAQUE "}",
+        /* a lamp that is its globe's own surface, and one in the ceiling of a room */
+        "sphere a { radius = 5" OPAQUE "} light b { shape = sphere radius = 5 from = <0, 0, 0> radiance = 1 }",
+        "box a { size = <2100, 2100, 2100>" OPAQUE
+        "} light b { size = <9, 9> from = <0, 1050, 0> to = <0, 0, 0> radiance = 1 }",
     };
     for (size_t i = 0; i < COUNT_OF(scenes); i++) {
         Fixture f;
