@@ -412,6 +412,47 @@ static void report_held(const Enclosures *e, uint32_t n_things, DiagCode code, D
     if (n > REPORT_MOST) diag_report_nowhere(diag, code, "%u more of the same kind", (unsigned)(n - REPORT_MOST));
 }
 
+/* The opaque object in whose face a flat light lies, at its middle and halfway to two corners, and that it shines into; SCENE_NONE:
+ * none. */
+static uint32_t shines_into(Enclosures *e, const SceneLight *light)
+{
+    double x = 0.5 * light->half_width, z = light->kind == LIGHT_DISC ? x : 0.5 * light->half_height;
+    const Vec3 places[] = {{0, 0, 0}, {x, 0, z}, {-x, 0, -z}};
+    Vec3 axis = affine_vector(&light->to_world, vec3(0, 1, 0));
+    uint32_t object = SCENE_NONE;
+    for (int i = 0; i < 3; i++) {
+        SurfacesHere here;
+        uint32_t k = 0;
+        compiled_surfaces_at(e->compiled, affine_point(&light->to_world, places[i]), 0, &here);
+        while (k < here.n && (!e->may_hold[here.items[k].object] || (i && here.items[k].object != object) ||
+                              vec3_dot(vec3_from_f(here.items[k].normal), axis) > -(1 - 1e-6)))
+            k++;
+        if (k == here.n) return SCENE_NONE;
+        object = here.items[k].object;
+    }
+    return holds_no_camera(e, object) ? object : SCENE_NONE;
+}
+
+static void report_inward(Enclosures *e, Diag *diag)
+{
+    const Scene *scene = e->scene;
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < scene->n_lights && n < REPORT_MOST; i++) {
+        const SceneLight *light = &scene->lights[i];
+        if (!light_is_flat(light) || scene->objects[light->object].motion != SCENE_NONE) continue;
+        uint32_t object = shines_into(e, light);
+        if (object == SCENE_NONE) continue;
+        const SceneObject *outer = &scene->objects[object];
+        n++;
+        Diagnostic *report =
+            diag_report(diag, D_ENCLOSED_LIGHT, light->span,
+                        "%s lies in a face of %s, which is opaque, and shines into it: none of its light comes out",
+                        light->name, outer->name);
+        diag_note(diag, report, outer->span, "%s is here", outer->name);
+        diag_hint(diag, report, "turn it round, to where its light is meant to go");
+    }
+}
+
 /* Where memory ends, or objects meet too often, there are fewer remarks. */
 void report_enclosed(const CompiledScene *compiled, Diag *diag)
 {
@@ -425,6 +466,7 @@ void report_enclosed(const CompiledScene *compiled, Diag *diag)
         if (any) forget_chance(&e, n_things);
         report_held(&e, n_things, D_ENCLOSED_OBJECT, diag);
         report_held(&e, n_things, D_ENCLOSED_LIGHT, diag);
+        if (any) report_inward(&e, diag);
     }
     clear(&e);
 }

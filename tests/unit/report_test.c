@@ -391,6 +391,10 @@ static void enclosed_things_are_proved(void **state)
         {"box a { size = <9, 9, 9>" OPAQUE
          "} light b { shape = quad size = <1, 1> from = <1, 1, 1> to = <4, 3, 2> radiance = 1 }",
          D_ENCLOSED_LIGHT, "b is wholly inside of a, which is opaque: none of its light comes out"},
+        /* it lies in a face, and shines into it */
+        {"box a { size = <10, 10, 10>" OPAQUE
+         "} light b { size = <2, 2> from = <0, -5, 0> to = <0, 0, 0> radiance = 1 }",
+         D_ENCLOSED_LIGHT, "b lies in a face of a, which is opaque, and shines into it: none of its light comes out"},
         /* it nearly fills its globe, and its housing */
         {"sphere a { radius = 5" OPAQUE "} light b { shape = sphere radius = 4.999 from = <0, 0, 0> radiance = 1 }",
          D_ENCLOSED_LIGHT, "b is wholly inside of a, which is opaque: none of its light comes out"},
@@ -447,6 +451,10 @@ static void what_may_be_seen_is_not_enclosed(void **state)
         "sphere a { radius = 5" OPAQUE "} light b { shape = sphere radius = 5 from = <0, 0, 0> radiance = 1 }",
         "box a { size = <2100, 2100, 2100>" OPAQUE
         "} light b { size = <9, 9> from = <0, 1050, 0> to = <0, 0, 0> radiance = 1 }",
+        "box a { size = <10, 10, 10>" OPAQUE
+        "} light b { size = <2, 2> from = <0, 5, 0> to = <0, 20, 0> radiance = 1 }",
+        "box a { size = <10, 10, 10>" OPAQUE
+        "} light b { size = <2, 2> from = <5.5, 5, 0> to = <5.5, 0, 0> radiance = 1 }",
     };
     for (size_t i = 0; i < COUNT_OF(scenes); i++) {
         Fixture f;
