@@ -277,6 +277,16 @@ static bool find_bounds(Remarks *r)
     return ready;
 }
 
+/* A place that a light shines from. One that lies in a wall shines from right before it. */
+static Vec3 place_of_light(const Remarks *r, const SceneLight *light)
+{
+    Vec3 place = light->object == SCENE_NONE ? light->to_world.t : box3_centre(r->bounds[light->object]);
+    double step = light_is_flat(light)         ? 1e-3 * light->half_width
+                  : light->kind == LIGHT_POINT ? 16 * rtc_rounding(place)
+                                               : 0;
+    return vec3_along(place, step, affine_vector(&light->to_world, vec3(0, 1, 0)));
+}
+
 /* A room that is lit within is a room; by its own walls, too, which shine from both sides. */
 static bool holds_light(Remarks *r, uint32_t object)
 {
@@ -284,8 +294,7 @@ static bool holds_light(Remarks *r, uint32_t object)
     for (uint32_t i = 0; i < r->scene->n_lights; i++) {
         const SceneLight *light = &r->scene->lights[i];
         if (light->kind == LIGHT_DISTANT || light->kind == LIGHT_PORTAL) continue;
-        Vec3 place = light->object == SCENE_NONE ? light->to_world.t : box3_centre(r->bounds[light->object]);
-        if (is_within(r, place, object)) return true;
+        if (is_within(r, place_of_light(r, light), object)) return true;
     }
     for (uint32_t i = 0; i < r->scene->n_objects; i++)
         if (scene_shines(r->scene, i) && scene_whole(r->scene, i) == i && is_bounded(&r->bounds[i]) &&
