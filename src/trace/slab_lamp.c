@@ -159,7 +159,7 @@ static bool finds_way(const Path *path, Vec3 from, Vec3 to, Vec3f lamp_normal, L
     ray_begin(&look.ray, near, vec3f_from(vec3_normalize(vec3_sub(to, near))));
     look.ray.time = path->ray.time;
     double cosine = fabs((double)vec3f_dot(look.ray.direction, lamp_normal));
-    look.ray.t_max = light_look_distance(vec3_length(vec3_sub(to, near)), cosine);
+    look.ray.t_max = light_look_distance(vec3_length(vec3_sub(to, near)), cosine, to);
     bool found = compiled_interior(world->compiled, vec3f_from(near), look.ray.time, &looker->shadow_hits,
                                    &looker->list, NULL) == STATUS_OK &&
                  find_faces(&look, way);
