@@ -327,7 +327,8 @@ static bool see_point(const LampLook *l, const LightSample *light, Vec3 place, c
     light_sample_emitter(world, light->emitter, &query, &last);
     look.ray.t_max = last.distance;
     if (!(last.pdf_w > 0) || !path_shadow(&look, &look.ray, &transmittance, &medium)) return false;
-    float nearer = (float)(last.distance * last.distance / flat_ray_spread(bent, place));
+    Vec3 to = vec3_sub(place, look.ray.origin);
+    float nearer = (float)(vec3_dot(to, to) / flat_ray_spread(bent, place));
     Lanes radiance = path_basic_radiance(world, lanes_scale(last.radiance, nearer), medium, look.wavelengths.nm);
     *arrives = lanes_mul(lanes_mul(look.beta, transmittance), radiance);
     return true;
@@ -391,13 +392,22 @@ static void look_again(LampLook *l, const LampWay *way, Vec3 place, LightLooks *
     looks->n++;
 }
 
+/* What a light's direction leads to: of a surface a little before it, as far as looks go. */
+static Vec3 place_of(const Path *path, Vec3 from, const LightSample *light)
+{
+    const float any[2] = {0};
+    if (light->delta) return light_pivot(path->tracer->world, light->emitter, path->ray.time, 0, any).place;
+    return vec3_along(from, light->distance, vec3_from_f(light->direction));
+}
+
 void slab_look_at_lamp(Path *path, const LookPlace *from, LightLooks *looks)
 {
     LightSample *light = &looks->lights[0];
-    Vec3 position = from->place->position, place = vec3_along(position, light->distance, vec3_from_f(light->direction));
+    const Vec3 position = from->place->position;
     if (!(light->pdf_w > 0) || light->glow || !isfinite(light->distance) ||
         !slabs_are_on_way(&path->tracer->world->slabs, position, light->direction, light->distance))
         return;
+    const Vec3 place = place_of(path, position, light);
     LampLook look; /* set field by field: most of it is set later */
     LampWay way;
     look.path = path;
