@@ -63,3 +63,25 @@ bool nest_csg_pass(const NestCsg *csg, NestList *list, uint32_t operand, bool en
         nest_list_insert(list, place, operand);
     return true;
 }
+
+bool nest_csg_takes(const NestCsg *csg, uint32_t operand)
+{
+    const NestPart *part = &csg->parts[csg->trees[nest_csg_tree(csg, operand)].root];
+    bool taken = false;
+    while (part->operation != NEST_OPERAND) {
+        uint32_t child = child_with(csg, part, operand);
+        if (part->operation == NEST_DIFFERENCE && child != part->first_child) taken = !taken;
+        part = &csg->parts[child];
+    }
+    return taken;
+}
+
+bool nest_csg_shows(const NestCsg *csg, NestList *list, uint32_t operand)
+{
+    uint32_t tree = nest_csg_tree(csg, operand);
+    bool entered = nest_csg_pass(csg, list, operand, true), within = nest_csg_holds(csg, tree, list);
+    nest_csg_pass(csg, list, operand, false);
+    bool without = nest_csg_holds(csg, tree, list);
+    if (!entered) nest_csg_pass(csg, list, operand, true);
+    return within != without;
+}

@@ -50,5 +50,10 @@ bool nest_csg_holds(const NestCsg *csg, uint32_t tree, const NestList *list);
 /* Enters or leaves an operand; false, with the list as it was, when the list says that the ray is there already. The
  * list must have room. */
 bool nest_csg_pass(const NestCsg *csg, NestList *list, uint32_t operand, bool entering);
+/* Whether an operand is taken away from its combination, so that where it shows it is seen from its inside. */
+bool nest_csg_takes(const NestCsg *csg, uint32_t operand);
+/* Whether a place of an operand's surface, where the list holds, is on the surface of the combination; on which side of the
+ * operand the list has the place does not matter. The list must have room for one more, and is as it was afterwards. */
+bool nest_csg_shows(const NestCsg *csg, NestList *list, uint32_t operand);
 
 #endif

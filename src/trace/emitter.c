@@ -5,7 +5,9 @@
 #include <stdlib.h>
 
 #include "base/angle.h"
+#include "nest/csg.h"
 #include "optics/color.h"
+#include "trace/emitter_cut.h"
 
 static double luminance_of(const Spectrum *radiance)
 {
@@ -79,12 +81,28 @@ typedef struct Finder {
     const WorldMedia *media;
     EmitterSet *set;
     LightBounds *bounds;
+    float *parts;            /* room for as many numbers as the largest operand has emitters */
+    uint32_t points_of_each; /* for finding out what of an operand shows */
 } Finder;
+
+/* For each operand, and for all of a scene's together. */
+enum { CUT_POINTS = 512, ALL_CUT_POINTS = 1 << 14 };
 
 static void add(Finder *f, Emitter emitter, const LightBounds *bounds)
 {
     f->bounds[f->set->n] = *bounds;
     f->set->emitters[f->set->n++] = emitter;
+}
+
+/* An object's part, which the object's being an operand makes one that is cut. */
+static Emitter part_of(const Finder *f, uint32_t number, uint32_t part, EmitterKind kind)
+{
+    bool cut = f->compiled->scene->objects[number].part_of != SCENE_NONE;
+    return (Emitter){.of = number,
+                     .part = part,
+                     .kind = kind,
+                     .cut = cut,
+                     .inward = cut && nest_csg_takes(&f->compiled->csg, f->compiled->hull_of_object[number])};
 }
 
 static void add_triangles(Finder *f, uint32_t number, double luminance)
@@ -96,6 +114,8 @@ static void add_triangles(Finder *f, uint32_t number, double luminance)
     bool whirls = shape->mesh_end || turns(scene, keys);
     uint32_t n_times = keys ? scene->n_keys : shape->mesh_end ? 2 : 1;
     uint32_t n = rtc_n_primitives(f->compiled->rtc, number);
+    Emitter emitter = part_of(f, number, 0, EMITTER_TRIANGLE);
+    double side = emitter.inward ? -1 : 1;
     for (uint32_t i = 0; i < n; i++) {
         LightBounds bounds = {.cos_o = whirls ? -1 : 1, .two_sided = !shape->closed};
         Box3 box = box3_empty();
@@ -105,11 +125,12 @@ static void add_triangles(Finder *f, uint32_t number, double luminance)
             for (int c = 0; c < 3; c++) box = box3_add_point(box, corner[c]);
             Vec3 across = vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0]));
             double length = vec3_length(across), power = luminance * MEN_PI * 0.5 * length;
-            if (length > 0 && !(bounds.power > 0)) bounds.axis = vec3f_from(vec3_scale(across, 1 / length));
+            if (length > 0 && !(bounds.power > 0)) bounds.axis = vec3f_from(vec3_scale(across, side / length));
             if (power > (double)bounds.power) bounds.power = (float)power;
         }
         set_box(&bounds, box);
-        add(f, (Emitter){number, i, EMITTER_TRIANGLE}, &bounds);
+        emitter.part = i;
+        add(f, emitter, &bounds);
     }
 }
 
@@ -121,7 +142,9 @@ static void add_pieces(Finder *f, uint32_t number, double luminance)
     const Affine *keys = scene_keys(scene, object);
     for (uint32_t i = 0; i < solid->n_pieces; i++) {
         const Piece *piece = &solid->pieces[i];
-        bool ball = piece->kind == PIECE_SPHERE && !keys && affine_even_scale(&object->to_world, 5e-10) > 0;
+        Emitter emitter = part_of(f, number, i, EMITTER_PIECE);
+        if (piece->kind == PIECE_SPHERE && !keys && affine_even_scale(&object->to_world, 5e-10) > 0 && !emitter.inward)
+            emitter.kind = EMITTER_BALL;
         LightBounds bounds = {.axis = {0, 1, 0}, .cos_o = -1};
         Box3 box = box3_empty(), local = piece_bounds(piece);
         for (uint32_t k = 0; k < (keys ? scene->n_keys : 1) && piece->kind != PIECE_PLANE; k++) {
@@ -134,12 +157,12 @@ static void add_pieces(Finder *f, uint32_t number, double luminance)
         /* the ends of a cylinder face one way */
         if (piece->kind == PIECE_BAND && piece->y0 == piece->y1 && !turns(scene, keys)) {
             Vec3 facing = affine_area(&object->to_world, vec3(0, piece->r0 > piece->r1 ? 1 : -1, 0));
-            if (affine_determinant(&object->to_world) < 0) facing = vec3_scale(facing, -1);
+            if ((affine_determinant(&object->to_world) < 0) != emitter.inward) facing = vec3_scale(facing, -1);
             bounds.axis = vec3f_from(vec3_normalize(facing));
             bounds.cos_o = 1;
         }
         if (bounds.power > 0) set_box(&bounds, box);
-        add(f, (Emitter){number, i, ball ? EMITTER_BALL : EMITTER_PIECE}, &bounds);
+        add(f, emitter, &bounds);
     }
 }
 
@@ -148,27 +171,41 @@ static uint32_t count_parts(const CompiledScene *compiled, uint32_t number)
 {
     const Scene *scene = compiled->scene;
     const SceneObject *object = &scene->objects[number];
-    if (object->medium != SCENE_NONE || object->surface == SCENE_NONE || object->shape == SCENE_NONE ||
-        object->part_of != SCENE_NONE)
+    if (object->surface == SCENE_NONE || object->shape == SCENE_NONE ||
+        scene->objects[scene_whole(scene, number)].medium != SCENE_NONE)
         return 0;
     if (!scene->surfaces[object->surface].emits) return 0;
     return rtc_n_primitives(compiled->rtc, number);
 }
 
-static void add_objects(Finder *f)
+/* The emitters from `first` on are of one operand: what of it is buried in others, or taken away, gives no light. */
+static Status weigh_operand(Finder *f, uint32_t first, Error *error)
+{
+    uint32_t n = f->set->n - first;
+    TRY(emitter_cut_parts(f->compiled, &f->set->emitters[first], n, f->points_of_each, f->parts, error));
+    for (uint32_t i = 0; i < n; i++) f->bounds[first + i].power *= f->parts[i];
+    return STATUS_OK;
+}
+
+static Status add_objects(Finder *f, Error *error)
 {
     const Scene *scene = f->compiled->scene;
+    uint32_t last_whole = SCENE_NONE;
     for (uint32_t i = 0; i < scene->n_objects; i++) {
         const SceneObject *object = &scene->objects[i];
         if (!count_parts(f->compiled, i)) continue;
         double luminance = luminance_of(&scene->surfaces[object->surface].emission);
-        f->set->first_of_object[i] = f->set->n;
-        f->set->n_sources++;
+        uint32_t first = f->set->n, whole = scene_whole(scene, i);
+        f->set->first_of_object[i] = first;
+        f->set->n_sources += whole != last_whole; /* operands of one combination stand side by side */
+        last_whole = whole;
         if (scene->shapes[object->shape].mesh)
             add_triangles(f, i, luminance);
         else
             add_pieces(f, i, luminance);
+        if (object->part_of != SCENE_NONE) TRY(weigh_operand(f, first, error));
     }
+    return STATUS_OK;
 }
 
 /* ---- media ---- */
@@ -185,7 +222,7 @@ static void add_glows(Finder *f)
         for (uint32_t k = 0; k < n_times; k++)
             box = box3_union(box, glow_box(scene, glow, n_times > 1 ? (double)k / (n_times - 1) : 0));
         set_box(&bounds, box);
-        add(f, (Emitter){i, 0, EMITTER_GLOW}, &bounds);
+        add(f, (Emitter){.of = i, .kind = EMITTER_GLOW}, &bounds);
         f->set->n_sources++;
     }
 }
@@ -205,37 +242,66 @@ static void sum_powers(Finder *f)
         f->set->powers[place_of_power(f, &f->set->emitters[i])] += (double)f->bounds[i].power;
 }
 
+static void add_lights(Finder *f)
+{
+    const Scene *scene = f->compiled->scene;
+    EmitterSet *set = f->set;
+    for (uint32_t i = 0; i < scene->n_lights; i++) {
+        const SceneLight *light = &scene->lights[i];
+        if (light->object != SCENE_NONE) set->first_of_object[light->object] = i;
+        LightBounds bounds = bounds_of_light(scene, light);
+        set->n_sources += bounds.power > 0;
+        add(f, (Emitter){.of = i, .kind = EMITTER_LIGHT}, &bounds);
+    }
+}
+
+/* How many emitters there are, and what is to be known of operands before they are added. */
+static uint64_t count_all(Finder *f, uint32_t *n_of_operand)
+{
+    const Scene *scene = f->compiled->scene;
+    uint64_t n = (uint64_t)scene->n_lights + f->media->n_glows;
+    uint32_t n_operands = 0;
+    *n_of_operand = 0;
+    for (uint32_t i = 0; i < scene->n_objects; i++) {
+        uint32_t more = count_parts(f->compiled, i);
+        n += more;
+        if (!more || scene->objects[i].part_of == SCENE_NONE) continue;
+        n_operands++;
+        if (more > *n_of_operand) *n_of_operand = more;
+    }
+    f->points_of_each = CUT_POINTS;
+    if (n_operands > ALL_CUT_POINTS / CUT_POINTS) f->points_of_each = ALL_CUT_POINTS / n_operands;
+    return n;
+}
+
 Status emitters_find(const CompiledScene *compiled, const WorldMedia *media, Pool *pool, EmitterSet *set, Error *error)
 {
     const Scene *scene = compiled->scene;
+    uint32_t n_of_operand;
     *set = (EmitterSet){0};
-    uint64_t n = (uint64_t)scene->n_lights + media->n_glows;
-    for (uint32_t i = 0; i < scene->n_objects; i++) n += count_parts(compiled, i);
+    Finder f = {.compiled = compiled, .media = media, .set = set};
+    uint64_t n = count_all(&f, &n_of_operand);
     if (n > LIGHT_TREE_MOST)
         return fail(error, STATUS_RENDER, "%llu triangles shine, more than can be chosen from", (unsigned long long)n);
-    Finder f = {compiled, media, set, malloc((n + 1) * sizeof *f.bounds)};
+    f.bounds = malloc((n + 1) * sizeof *f.bounds);
+    f.parts = malloc((n_of_operand + (size_t)1) * sizeof *f.parts);
     set->emitters = malloc((n + 1) * sizeof *set->emitters);
     set->first_of_object = malloc((scene->n_objects + 1U) * sizeof *set->first_of_object);
     size_t n_powers = (size_t)scene->n_lights + scene->n_surfaces + scene->n_media;
     set->powers = calloc(n_powers + 1, sizeof *set->powers);
     Status status = STATUS_OK;
-    if (!f.bounds || !set->emitters || !set->first_of_object || !set->powers) {
+    if (!f.bounds || !f.parts || !set->emitters || !set->first_of_object || !set->powers) {
         status = fail_memory(error, n * sizeof *f.bounds, "lights");
     } else {
         for (uint32_t i = 0; i < scene->n_objects; i++) set->first_of_object[i] = EMITTER_NONE;
-        for (uint32_t i = 0; i < scene->n_lights; i++) {
-            const SceneLight *light = &scene->lights[i];
-            if (light->object != SCENE_NONE) set->first_of_object[light->object] = i;
-            LightBounds bounds = bounds_of_light(scene, light);
-            set->n_sources += bounds.power > 0;
-            add(&f, (Emitter){i, 0, EMITTER_LIGHT}, &bounds);
-        }
-        add_objects(&f);
+        add_lights(&f);
+        status = add_objects(&f, error);
         add_glows(&f);
         sum_powers(&f);
-        status = light_tree_new(f.bounds, set->n, pool, &set->tree, error);
+        if (status == STATUS_OK) status = light_tree_new(f.bounds, set->n, pool, &set->tree, error);
     }
     free(f.bounds);
+    free(f.parts);
     if (status != STATUS_OK) emitters_clear(set);
     return status;
 }

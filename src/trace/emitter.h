@@ -1,7 +1,8 @@
 /* emitter.h - everything of a scene that shines from a finite place, as parts that can be sampled one by one: lights,
  * triangles and analytic pieces of objects whose surface shines, hulls whose medium does. A tree chooses among them.
- * Not among them, and so found by chance only: planes without end, and objects that are a union, an intersection or a
- * difference of others, whose own surface is not known beforehand; media that shine without end, or out of hulls whose
+ * Of a union, an intersection or a difference the operands' own surfaces are sampled, wherever they are; a look at such a place
+ * finds out whether the combination's surface is there (path_meets), and else there is no light.
+ * Not among them, and so found by chance only: planes without end, and media that shine without end, or out of hulls whose
  * boundaries bend all light.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_EMITTER_H
@@ -24,6 +25,8 @@ typedef enum EmitterKind {
 typedef struct Emitter {
     uint32_t of, part;
     EmitterKind kind;
+    bool cut;    /* the object is an operand, whose surface need not be there */
+    bool inward; /* and is taken away from the others: its surface shines to where it was */
 } Emitter;
 
 typedef struct EmitterSet {

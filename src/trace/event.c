@@ -580,27 +580,96 @@ ATTR_COLD static StraightEnd follow_again(Path *path, const Ray *ray, Straight *
     return follow_straight(path, ray, true, straight);
 }
 
-bool path_shadow(Path *path, Ray *ray, Lanes *transmittance, uint32_t *medium_at_light)
+/* Follows a straight ray past tracer->shadow_hits, from the list at its start, which is there already. */
+static inline bool arrive_straight(Path *path, const Ray *ray, Straight *straight)
 {
     Tracer *tracer = path->tracer;
-    const World *world = tracer->world;
+    StraightEnd end = follow_straight(path, ray, false, straight);
+    if (UNLIKELY(end == STRAIGHT_CONTRADICTS)) end = follow_again(path, ray, straight);
+    tracer->counters.crossings += straight->n_crossings;
+    tracer->counters.nesting_faults += straight->n_faults;
+    if (UNLIKELY(end == STRAIGHT_LOST)) tracer->out_of_memory = true;
+    return end == STRAIGHT_CLEAR;
+}
+
+static inline void leave_of_straight(Path *path, const Ray *ray, const Straight *straight, Lanes *transmittance,
+                                     uint32_t *medium_at_light)
+{
+    *transmittance = lanes_mul(flight_attenuation(straight->depth), straight->panes);
+    *medium_at_light = straight->medium;
+    if (UNLIKELY(straight->uneven))
+        *transmittance = lanes_mul(*transmittance, transmit_uneven(path, ray, straight->mended));
+}
+
+/* tracer->shadow_list and tracer->shadow_hits become what a straight ray begins in, and meets. */
+static inline bool look_straight(Path *path, Ray *ray)
+{
+    Tracer *tracer = path->tracer;
     tracer->counters.rays++;
     if (!begin_straight(tracer, ray, false)) {
         tracer->out_of_memory = true;
         return false;
     }
     ray->stops = compiled_stop_class(nest_medium(&tracer->shadow_list));
-    if (!rtc_all(world->compiled->rtc, ray, true, &tracer->shadow_hits)) return false;
+    return rtc_all(tracer->world->compiled->rtc, ray, true, &tracer->shadow_hits);
+}
+
+bool path_shadow(Path *path, Ray *ray, Lanes *transmittance, uint32_t *medium_at_light)
+{
     Straight straight;
-    StraightEnd end = follow_straight(path, ray, false, &straight);
-    if (UNLIKELY(end == STRAIGHT_CONTRADICTS)) end = follow_again(path, ray, &straight);
-    tracer->counters.crossings += straight.n_crossings;
-    tracer->counters.nesting_faults += straight.n_faults;
-    if (UNLIKELY(end == STRAIGHT_LOST)) tracer->out_of_memory = true;
-    if (end != STRAIGHT_CLEAR) return false;
-    *transmittance = lanes_mul(flight_attenuation(straight.depth), straight.panes);
-    *medium_at_light = straight.medium;
-    if (UNLIKELY(straight.uneven))
-        *transmittance = lanes_mul(*transmittance, transmit_uneven(path, ray, straight.mended));
+    if (!look_straight(path, ray) || !arrive_straight(path, ray, &straight)) return false;
+    leave_of_straight(path, ray, &straight, transmittance, medium_at_light);
+    return true;
+}
+
+/* Parts the surfaces that a straight ray meets: those in front of the light's place, where the ray comes to its operand on the side
+ * that shines, stay in tracer->shadow_hits, those at that place go to tracer->aimed, and what is behind is forgotten. False: it does
+ * not come there. */
+static bool part_hits(Tracer *tracer, const LightSample *light)
+{
+    HitList *hits = &tracer->shadow_hits;
+    size_t wanted = 0, begin = 0, n;
+    while (wanted < hits->n && !light_is_met(tracer->world, light, &hits->items[wanted])) wanted++;
+    if (wanted == hits->n) return false;
+    while (n = rtc_cluster(hits->items + begin, hits->n - begin), begin + n <= wanted) begin += n;
+    if (!hit_list_copy(&tracer->aimed, hits->items + begin, n)) {
+        tracer->out_of_memory = true;
+        return false;
+    }
+    hits->n = begin;
+    return true;
+}
+
+/* Whether the operand's surface among tracer->aimed is the one by which a path that came there would find the combination opaque: see
+ * boundary_hit_of_several. tracer->shadow_list is that in front of them. */
+static bool is_opaque_there(Tracer *tracer, uint32_t object)
+{
+    const NestCsg *csg = &tracer->world->compiled->csg;
+    const uint32_t *pass_of = tracer->world->compiled->hull_of_object;
+    NestList *list = &tracer->shadow_list;
+    const uint32_t tree = nest_csg_tree(csg, pass_of[object]);
+    const bool before = nest_csg_holds(csg, tree, list);
+    uint32_t last = SCENE_NONE;
+    for (size_t i = 0; i < tracer->aimed.n; i++) {
+        const Hit *hit = &tracer->aimed.items[i];
+        NestCrossing crossing;
+        if (!path_cross(tracer, list, hit, 1, &crossing)) {
+            tracer->out_of_memory = true;
+            return false;
+        }
+        if (crossing.opaque) last = hit->object;
+    }
+    return last == object && nest_csg_holds(csg, tree, list) != before;
+}
+
+bool path_meets(Path *path, const LightSample *light, Ray *ray, Lanes *transmittance, uint32_t *medium_at_light)
+{
+    Tracer *tracer = path->tracer;
+    Straight straight;
+    ray->t_max = light->distance * (1 + (double)light->slack);
+    if (!look_straight(path, ray) || !part_hits(tracer, light)) return false;
+    ray->t_max = tracer->aimed.items[0].t;
+    if (!arrive_straight(path, ray, &straight) || !is_opaque_there(tracer, light->object)) return false;
+    leave_of_straight(path, ray, &straight, transmittance, medium_at_light);
     return true;
 }

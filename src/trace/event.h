@@ -78,5 +78,8 @@ bool path_cross_towards(Tracer *tracer, const Ray *ray, NestList *list);
  * objects and visible boundaries block: light that crosses a boundary arrives by paths that are bent there.
  * tracer->shadow_list is then the list at its end. */
 bool path_shadow(Path *path, Ray *ray, Lanes *transmittance, uint32_t *medium_at_light);
+/* The same to a light's place on an operand's surface (LightSample.slack): false also where a path that comes along the ray would not
+ * find the combination's surface there, or find it by another operand's. */
+bool path_meets(Path *path, const LightSample *light, Ray *ray, Lanes *transmittance, uint32_t *medium_at_light);
 
 #endif

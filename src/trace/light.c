@@ -80,6 +80,15 @@ static void sample_place(Vec3 from, Vec3 place, Vec3 normal, bool two_sided, dou
                             .pdf_w = (float)(distance * distance / (cosine * area))};
 }
 
+/* The same on the surface of an operand, which a look has to meet: a place of which only the rounded direction is known is met a
+ * little before or behind it. */
+static void aim_at_cut(const Emitter *emitter, double distance, LightSample *sample)
+{
+    sample->object = emitter->of;
+    sample->primitive = RTC_NO_OBJECT;
+    sample->slack = sample->pdf_w > 0 ? (float)(2 * (distance / sample->distance - 1)) + 1e-6f : 0;
+}
+
 /* Uniform in area; across: the normal there, twice as long as the area. */
 static Vec3 triangle_point(const World *world, const Emitter *emitter, double time, const float u[2], Vec3 *across)
 {
@@ -94,11 +103,12 @@ static Vec3 triangle_point(const World *world, const Emitter *emitter, double ti
 static void sample_triangle(const World *world, const Emitter *emitter, const LightQuery *query, LightSample *sample)
 {
     Vec3 across, place = triangle_point(world, emitter, query->time, query->u, &across);
-    double length = vec3_length(across);
+    double length = vec3_length(across), sign = UNLIKELY(emitter->inward) ? -1 : 1;
     bool two_sided = !world->scene->shapes[world->scene->objects[emitter->of].shape].closed;
-    sample_place(query->from, place, vec3_scale(across, 1 / length), two_sided, 0.5 * length, sample);
+    sample_place(query->from, place, vec3_scale(across, sign / length), two_sided, 0.5 * length, sample);
     sample->object = emitter->of;
     sample->primitive = emitter->part;
+    if (UNLIKELY(emitter->cut)) aim_at_cut(emitter, vec3_length(vec3_sub(place, query->from)), sample);
 }
 
 static const Piece *piece_of(const World *world, const SceneObject *object, uint32_t number)
@@ -115,15 +125,27 @@ static void sample_piece(const World *world, const Emitter *emitter, const Light
     const Affine *to_world = object_place(world, object, query->time, &room);
     Vec3 normal, local = piece_sample(piece, (double)query->u[0], (double)query->u[1], &normal);
     Vec3 across = affine_area(to_world, normal);
-    double stretch = vec3_length(across), sign = affine_determinant(to_world) < 0 ? -1 : 1;
-    sample_place(query->from, affine_point(to_world, local), vec3_scale(across, sign / stretch), false,
-                 piece_area(piece) * stretch, sample);
+    double stretch = vec3_length(across), sign = (affine_determinant(to_world) < 0) != emitter->inward ? -1 : 1;
+    Vec3 place = affine_point(to_world, local);
+    sample_place(query->from, place, vec3_scale(across, sign / stretch), false, piece_area(piece) * stretch, sample);
+    if (UNLIKELY(emitter->cut)) aim_at_cut(emitter, vec3_length(vec3_sub(place, query->from)), sample);
 }
 
 /* Of a round one that stands still: its radius in the world. */
 static double ball_radius(const World *world, const SceneObject *object, uint32_t piece)
 {
     return piece_of(world, object, piece)->r0 * vec3_length(affine_vector(&object->to_world, vec3(1, 0, 0)));
+}
+
+static void sample_ball(const World *world, const Emitter *emitter, const LightQuery *query, LightSample *sample)
+{
+    const SceneObject *object = &world->scene->objects[emitter->of];
+    sample_sphere(emitter->of, ball_radius(world, object, emitter->part), object->to_world.t, query->from, query->u,
+                  sample);
+    if (LIKELY(!emitter->cut)) return;
+    double distance = sample->distance;
+    sample->distance *= 1 - 2e-5; /* its near side, too */
+    aim_at_cut(emitter, distance, sample);
 }
 
 /* A direction in the frame of a light. Between two places that it turns through the frame is squeezed; what the light
@@ -206,7 +228,8 @@ static Lanes sample_emission(const World *world, const SceneSurface *surface, co
         hit.v = (float)(vec3_dot(vec3_cross(b, at), normal) / square);
         hit.normal = vec3f_from(vec3_scale(normal, 1 / sqrt(square)));
     } else {
-        hit.normal = vec3f_negate(sample->direction); /* only tells the side: patterns are looked up just beneath it */
+        /* only tells the side: patterns are looked up just beneath it */
+        hit.normal = emitter->inward ? sample->direction : vec3f_negate(sample->direction);
     }
     return texture_emission(world, surface, &ray, &hit, query->wavelength_nm);
 }
@@ -247,8 +270,7 @@ static void sample_emitter(const World *world, const Emitter *emitter, const Lig
     if (emitter->kind == EMITTER_TRIANGLE)
         sample_triangle(world, emitter, query, sample);
     else if (emitter->kind == EMITTER_BALL)
-        sample_sphere(emitter->of, ball_radius(world, object, emitter->part), object->to_world.t, query->from, query->u,
-                      sample);
+        sample_ball(world, emitter, query, sample);
     else
         sample_piece(world, emitter, query, sample);
     sample->radiance = sample_emission(world, &scene->surfaces[object->surface], emitter, query, sample);
@@ -266,6 +288,13 @@ uint32_t light_sample_object(const World *world, const LightSample *sample)
     if (sample->object != RTC_NO_OBJECT || sample->emitter == EMITTER_NONE) return sample->object;
     const Emitter *emitter = &world->emitters.emitters[sample->emitter];
     return emitter->kind == EMITTER_PIECE ? emitter->of : RTC_NO_OBJECT;
+}
+
+bool light_is_met(const World *world, const LightSample *sample, const Hit *hit)
+{
+    if (hit->object != sample->object || hit->t < sample->distance) return false;
+    bool inward = world->emitters.emitters[sample->emitter].inward;
+    return hit->entering != inward || !world->scene->shapes[world->scene->objects[hit->object].shape].closed;
 }
 
 double light_send_extent(const World *world, uint32_t emitter)
@@ -428,11 +457,11 @@ static float object_pdf(const World *world, const Emitter *emitter, Vec3 from, c
     const SceneObject *object = &world->scene->objects[emitter->of];
     double area;
     if (emitter->kind == EMITTER_TRIANGLE) {
-        if (!hit->entering && world->scene->shapes[object->shape].closed) return 0;
+        if (hit->entering == emitter->inward && world->scene->shapes[object->shape].closed) return 0;
         Vec3 corner[3];
         rtc_triangle(world->compiled->rtc, emitter->of, emitter->part, ray->time, corner);
         area = 0.5 * vec3_length(vec3_cross(vec3_sub(corner[1], corner[0]), vec3_sub(corner[2], corner[0])));
-    } else if (!hit->entering) {
+    } else if (hit->entering == emitter->inward) {
         return 0;
     } else if (emitter->kind == EMITTER_BALL) {
         double cone = sphere_cone(ball_radius(world, object, emitter->part), vec3_sub(object->to_world.t, from));

@@ -15,8 +15,11 @@ typedef struct LightSample {
     const Glow *glow;   /* NULL, or the medium whose place this is, if that has not gone to another one there */
     uint32_t emitter;   /* of world->emitters; EMITTER_NONE: from infinitely far */
     float choice;       /* of pdf_w, what is the choice of the light */
-    bool delta;         /* a light without size: no direction finds it by chance, and pdf_w is that of its choice */
-    bool of_sky;        /* from the environment, whose radiance is left for light_sample_radiance */
+    /* > 0: the place is on the surface of an operand, which need not be the combination's there; the surface is met at up to this
+     * part of the distance beyond it. The object is the operand then */
+    float slack;
+    bool delta;  /* a light without size: no direction finds it by chance, and pdf_w is that of its choice */
+    bool of_sky; /* from the environment, whose radiance is left for light_sample_radiance */
     EnvironmentPlace sky;
     const Lanes *arrives; /* NULL, or what is known to arrive of it, as basic radiance: see slab_lamp.h */
     Lanes radiance;       /* actual radiance in the light's own medium; of a delta light its irradiance from there */
@@ -60,6 +63,8 @@ void light_sample_emitter(const World *world, uint32_t emitter, const LightQuery
 /* The object that the sampled place is on; RTC_NO_OBJECT: on none. It is sample->object but for what may stand in its own light, as
  * a ring does, and which rays are therefore not aimed at. */
 uint32_t light_sample_object(const World *world, const LightSample *sample);
+/* Of a sample on an operand's surface: whether a hit of its ray is at the place, on the side that shines. */
+bool light_is_met(const World *world, const LightSample *sample, const Hit *hit);
 /* Of an emitter that is flat and shines into a cone: area times projected solid angle of what it shines into, as if it were as
  * bright to all of that; one that moves as it is at rest. 0 of others. */
 double light_send_extent(const World *world, uint32_t emitter);

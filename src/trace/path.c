@@ -52,6 +52,7 @@ void tracer_clear(Tracer *tracer)
     hit_list_clear(&tracer->along);
     hit_list_clear(&tracer->left);
     hit_list_clear(&tracer->looked);
+    hit_list_clear(&tracer->aimed);
     hit_list_clear(&tracer->passed);
     nest_list_clear(&tracer->list);
     nest_list_clear(&tracer->next);

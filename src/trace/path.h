@@ -104,6 +104,7 @@ typedef struct Tracer {
     HitList looked; /* and those of a ray that is sent out while the path waits at several */
     HitList beside; /* objects at whose edges it starts; see rtc_beside */
     HitList along;  /* for finding them, and for what was missed by a straight ray */
+    HitList aimed;  /* where a straight ray comes to an operand that it is aimed at */
     HitList passed; /* silent crossings in front of those hits, found in the same search */
     NestList list, next, shadow_list;
     NestList before; /* behind what was passed */

@@ -458,14 +458,11 @@ float photon_other_light(Tracer *tracer, Vec3f place, Vec3f normal, float thresh
                                                : vec3_length(vec3_sub(bounds.max, bounds.min)));
     Ray ray = ray_make(vec3_along(from, off, vec3_from_f(normal)), light.direction);
     ray.time = path.ray.time;
-    ray.t_max = light.distance;
-    ray.target = light.object;
-    ray.target_primitive = light.primitive;
     Lanes transmittance;
     uint32_t medium;
     if (compiled_interior(tracer->world->compiled, vec3f_from(ray.origin), ray.time, &tracer->hits, &tracer->list,
                           NULL) != STATUS_OK ||
-        !path_sees(&path, &ray, &transmittance, &medium))
+        !path_sees_light(&path, &light, &ray, &transmittance, &medium))
         return 0;
     float radiance = lanes_mean(lanes_mul(light.radiance, transmittance));
     return radiance * cosine / light.pdf_w * (lanes_mean(light.radiance) > threshold ? PHOTON_BRIGHT_PART : 1);

@@ -4,6 +4,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "trace/photon_start.h"
 
+#include "nest/csg.h"
 #include "optics/sampling.h"
 #include "trace/shade.h"
 
@@ -185,6 +186,18 @@ bool photon_choose_start(const PhotonTargets *targets, const Path *path, PhotonS
     return start->flux_times_n > 0 && isfinite(start->flux_times_n);
 }
 
+/* Whether the operand's surface that the path starts on is its combination's. The list may have it on either side of that. */
+static bool leaves_combination(Tracer *tracer, const Path *path, const PhotonStart *start)
+{
+    const CompiledScene *compiled = tracer->world->compiled;
+    const uint32_t operand = compiled->hull_of_object[start->light.object];
+    if (!path->ray.n_left) return true; /* it starts beside, in front of it */
+    if (nest_list_reserve(&tracer->list, 1) != STATUS_OK) return false;
+    nest_csg_pass(&compiled->csg, &tracer->list, operand, nest_csg_takes(&compiled->csg, operand));
+    return !nest_csg_holds(&compiled->csg, nest_csg_tree(&compiled->csg, operand), &tracer->list) &&
+           nest_csg_shows(&compiled->csg, &tracer->list, operand);
+}
+
 /* Puts the path's ray at the light, on its way to the start's point, and the hulls around the light into its list. */
 bool photon_leave_light(Path *path, const PhotonStart *start)
 {
@@ -209,10 +222,13 @@ bool photon_leave_light(Path *path, const PhotonStart *start)
         Ray look = ray_make(start->point, turned ? start->turned : start->light.direction);
         look.time = path->ray.time;
         look.t_max = start->light.distance * (1 + 1e-4);
+        const bool cut = start->light.slack > 0;
         if (!rtc_all(compiled->rtc, &look, false, &tracer->left)) return false;
         const uint32_t object = light_sample_object(tracer->world, &start->light);
         size_t i = 0, one = 1;
-        while (i < tracer->left.n && tracer->left.items[i].object != object) i++;
+        while (i < tracer->left.n && (cut ? !light_is_met(tracer->world, &start->light, &tracer->left.items[i])
+                                          : tracer->left.items[i].object != object))
+            i++;
         if (i == tracer->left.n) return false;
         double time = path->ray.time, distance = tracer->left.items[i].t;
         rtc_leave(compiled->rtc, &look, &tracer->left.items[i], &one, false, travel, &path->ray);
@@ -227,6 +243,7 @@ bool photon_leave_light(Path *path, const PhotonStart *start)
         compiled_interior(compiled, vec3f_from(path->ray.origin), path->ray.time, &tracer->shadow_hits, &tracer->list,
                           NULL) != STATUS_OK)
         return false;
+    if (start->light.slack > 0 && !leaves_combination(tracer, path, start)) return false;
     return !start->light.glow ||
            media_is_there(compiled, &tracer->world->media, start->light.glow->place, &tracer->list);
 }

@@ -153,6 +153,15 @@ bool path_sees(Path *path, Ray *ray, Lanes *transmittance, uint32_t *medium_at_l
     return UNLIKELY(path->tracer->world->slabs.n) && isinf(ray->t_max) && slab_shadow(path, ray, transmittance);
 }
 
+bool path_sees_light(Path *path, const LightSample *light, Ray *ray, Lanes *transmittance, uint32_t *medium_at_light)
+{
+    if (UNLIKELY(light->slack > 0)) return path_meets(path, light, ray, transmittance, medium_at_light);
+    ray->t_max = light->distance;
+    ray->target = light->object;
+    ray->target_primitive = light->primitive;
+    return path_sees(path, ray, transmittance, medium_at_light);
+}
+
 /* Whether another lamp is met where a ray has looked for this one, see scene/ties.h. No direction finds this one there by chance, so it
  * must not be found by looking, either. */
 ATTR_APART static bool has_yielded(Path *path, const LightSample *light, const Ray *looked)
@@ -182,13 +191,10 @@ bool path_light_arrives(Path *path, const LightSample *light, Ray *ray, Lanes *b
         *basic = *light->arrives;
         return true;
     }
-    ray->t_max = light->distance;
-    ray->target = light->object;
-    ray->target_primitive = light->primitive;
     if (UNLIKELY(world->own_compiled != NULL) && !catcher_world_has(world, light)) return false;
     Lanes transmittance;
     uint32_t medium;
-    if (!path_sees(path, ray, &transmittance, &medium)) return false;
+    if (!path_sees_light(path, light, ray, &transmittance, &medium)) return false;
     if (UNLIKELY(light->glow) &&
         !media_is_there(world->compiled, &world->media, light->glow->place, &path->tracer->shadow_list))
         return false;

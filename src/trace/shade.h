@@ -48,6 +48,8 @@ typedef struct LightLooks {
 void path_look_at_light(Path *path, const LookPlace *from, LightLooks *looks);
 /* As path_shadow; of light from infinity (t_max) what comes through bodies with parallel faces, too: see slab_look.h. */
 bool path_sees(Path *path, Ray *ray, Lanes *transmittance, uint32_t *medium_at_light);
+/* The same to the place of a light, of which the ray is told. */
+bool path_sees_light(Path *path, const LightSample *light, Ray *ray, Lanes *transmittance, uint32_t *medium_at_light);
 /* What comes straight along the ray from a light, as basic radiance; false: nothing. The ray becomes aimed at the light. */
 bool path_light_arrives(Path *path, const LightSample *light, Ray *ray, Lanes *basic);
 /* Adds that, scattered by the factor, weighted against finding the light by a direction of density pdf_w, or by the guide. */

@@ -22,16 +22,6 @@ static void expect_both(const char *what, const char *light, double (*sky)(doubl
     truth_expect(name, expected, truth_measure(text, sky, chance / 4, true), 4, 0.005);
 }
 
-/* Looked for and by chance there is the same light, whatever that is. */
-static void expect_alike(const char *what, const char *text, uint32_t chance, double resolution)
-{
-    /* without photons: what is tested is that the lamp is found by looking */
-    RenderSettings looking = truth_small(512);
-    looking.caustics = CAUSTICS_OFF;
-    Estimate sampled = truth_measure_as(text, NULL, &looking), by_chance = truth_measure(text, NULL, chance, true);
-    truth_alike(what, by_chance, sampled, 4, resolution);
-}
-
 /* ---- closed forms ---- */
 
 /* Of a sphere that is wholly above the horizon: pi L (r / d)^2 cos, whatever the distance d. */
@@ -344,7 +334,7 @@ static void agree_in_fog(void **state)
                  FLOOR "medium fog { ior = 1  absorption = .004 / 1mm  scattering = .03 / 1mm }\n"
                        "box { interior = fog  from = <-40, -1, -40>  to = <40, 30, 40> }\n%s\n",
                  cases[i].light);
-        expect_alike(cases[i].what, text, 2048, 0.008);
+        truth_found_alike(cases[i].what, text, 2048, 0.008);
     }
 }
 
@@ -402,7 +392,7 @@ static void through_panes(void **state)
                  "surface nothing { thin = true  transmission = 1  ior = 1  specular = 0 }\n"
                  "light { shape = sphere  from = <5, 18, 0>  radius = 8  radiance = 2 }\n%s\n",
                  cases[i].between);
-        expect_alike(cases[i].what, text, 2048, 0.008);
+        truth_found_alike(cases[i].what, text, 2048, 0.008);
     }
 }
 
@@ -490,7 +480,7 @@ static void through_slabs(void **state)
                  "medium fog { ior = 1  scattering = .02 / 1mm }  medium hole { ior = 1  state = solid }\n"
                  "light { shape = distant  from = <1, 3, 1>  to = <0, 0, 0>  angle = 40deg  radiance = 3 }\n%s\n",
                  cases[i].between);
-        expect_alike(cases[i].what, text, 4096, cases[i].resolution);
+        truth_found_alike(cases[i].what, text, 4096, cases[i].resolution);
     }
 }
 

@@ -281,6 +281,15 @@ void truth_alike(const char *what, Estimate expected, Estimate measured, double 
     truth_expect(what, expected.mean, measured, sigmas, resolution);
 }
 
+void truth_found_alike(const char *what, const char *text, uint32_t chance, double resolution)
+{
+    /* without photons: what is tested is that the lamp is found by looking */
+    RenderSettings looking = truth_small(512);
+    looking.caustics = CAUSTICS_OFF;
+    Estimate sampled = truth_measure_as(text, NULL, &looking), by_chance = truth_measure(text, NULL, chance, true);
+    truth_alike(what, by_chance, sampled, 4, resolution);
+}
+
 Estimate truth_ratio(Estimate a, Estimate b)
 {
     double ratio = a.mean / b.mean;

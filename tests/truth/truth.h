@@ -83,6 +83,8 @@ void truth_check(const char *what, double expected, Estimate measured, double si
 void truth_expect(const char *what, double expected, Estimate measured, double sigmas, double resolution);
 /* The same of two estimates that are independent of each other. */
 void truth_alike(const char *what, Estimate expected, Estimate measured, double sigmas, double resolution);
+/* Looked for and by chance there is the same light, whatever that is. */
+void truth_found_alike(const char *what, const char *text, uint32_t chance, double resolution);
 /* a / b of such ones, with the error that follows. */
 Estimate truth_ratio(Estimate a, Estimate b);
 

@@ -134,6 +134,43 @@ static void lists_hold_what_the_operands_make_up(void **state)
     assert_true(n_flips > 10000);
 }
 
+/* On an operand's surface, the combination's is there where being in the operand makes a difference; and it is out of one that is taken
+ * away. */
+static void operands_show(void **state)
+{
+    (void)state;
+    uint64_t n_shown = 0, n_taken = 0;
+    for (uint64_t seed = 1; seed <= 3000; seed++) {
+        Model model;
+        make_model(&model, seed);
+        bool inside[HULLS + OPERANDS] = {false};
+        NestList list;
+        nest_list_init(&list);
+        assert_int_equal(nest_list_reserve(&list, OPERANDS), STATUS_OK);
+        for (uint32_t i = 0; i < model.csg.n_operands; i++) {
+            inside[HULLS + i] = pick(&model, 2) != 0;
+            if (inside[HULLS + i]) assert_true(nest_csg_pass(&model.csg, &list, HULLS + i, true));
+        }
+        for (uint32_t i = HULLS; i < HULLS + model.csg.n_operands; i++) {
+            const bool now = inside[i];
+            const uint32_t tree = nest_csg_tree(&model.csg, i), n = list.n;
+            inside[i] = true;
+            bool within = plain(&model, tree, inside);
+            inside[i] = false;
+            bool without = plain(&model, tree, inside);
+            inside[i] = now;
+            assert_true(nest_csg_shows(&model.csg, &list, i) == (within != without));
+            assert_int_equal(list.n, n);
+            assert_true(nest_list_has(&list, i) == now);
+            if (within != without) assert_true(nest_csg_takes(&model.csg, i) == without);
+            n_shown += within != without;
+            n_taken += within != without && without;
+        }
+        nest_list_clear(&list);
+    }
+    assert_true(n_shown > 3000 && n_taken > 500);
+}
+
 /* ---- in scenes ---- */
 
 static const double pi = 3.14159265358979323846;
@@ -280,6 +317,7 @@ static void operands_may_say_what_the_whole_is_made_of(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(operands_show),
         cmocka_unit_test(lists_hold_what_the_operands_make_up),
         cmocka_unit_test(volumes_are_measured),
         cmocka_unit_test(interiors_of_points_are_found),

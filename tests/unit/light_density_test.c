@@ -422,6 +422,56 @@ static const Case shining[] = {
      3.14159,
      0.7}};
 
+/* Of the whole surfaces of operands, what of them is buried, too. */
+static const Case cut[] = {
+    {"half a ball",
+     "difference { sphere { center = <4, 20, 1>  radius = 9 } box { from = <-9, 20, -9>  to = <20, 40, 20> " GLOW
+     " } }",
+     ORIGIN,
+     UP,
+     {4, 20, 1},
+     0.6,
+     0.4},
+    {"a bowl, of which the inside shines",
+     "difference { sphere { center = <4, 20, 1>  radius = 9 } sphere { center = <4, 18, 1>  radius = 9 " GLOW
+     " } surface = surface { } }",
+     ORIGIN,
+     UP,
+     {4, 20, 1},
+     0.6,
+     0.2},
+    {"a bowl of triangles, mirrored",
+     "difference { box { from = <-9, 9, -5>  to = <5, 14, 9> } prism { outline = [<-5, -5>, <5, -4>, <4, 8>]  from = 8 "
+     " to "
+     "= 12 " GLOW " } surface = surface { }  scale(<-1, 1, 1>) }",
+     ORIGIN,
+     UP,
+     {0, 10, 1},
+     1.0,
+     0.2},
+    {"a cylinder that is taken out, of pieces",
+     "difference { box { from = <-9, 9, -5>  to = <5, 14, 9> } cylinder { from = <0, 8, 0>  to = <1, 12, 2>  radius = "
+     "4 " GLOW " } surface = surface { } }",
+     ORIGIN,
+     ANYWHERE,
+     {0, 10, 1},
+     1.0,
+     0.2},
+    {"two balls and a lamp",
+     "union { sphere { center = <4, 20, 1>  radius = 4 } sphere { center = <9, 20, 1>  radius = 6 } " GLOW " }\n"
+     "light { from = <9, 8, 0>  to = <0, 0, 4>  size = <6, 6> }",
+     ORIGIN,
+     UP,
+     {5, 20, 1},
+     1.2,
+     0.9}};
+
+static void operands_that_shine(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < COUNT_OF(cut); i++) run_case(&cut[i]);
+}
+
 static void surfaces_that_shine(void **state)
 {
     (void)state;
@@ -516,6 +566,6 @@ static void outside(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(lights), cmocka_unit_test(surfaces_that_shine),
-                                       cmocka_unit_test(outside)};
+                                       cmocka_unit_test(operands_that_shine), cmocka_unit_test(outside)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

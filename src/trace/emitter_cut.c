@@ -1,0 +1,105 @@
+/* emitter_cut.c - see emitter_cut.h.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "trace/emitter_cut.h"
+
+#include <stdlib.h>
+
+#include "nest/csg.h"
+
+/* Of one triangle or piece no more points are asked: a part in 64 is known well enough to choose by. */
+enum { MOST_OF_ONE = 64 };
+
+Vec3 emitter_place(const CompiledScene *compiled, const Emitter *emitter, double time, const double u[2])
+{
+    const Scene *scene = compiled->scene;
+    if (emitter->kind == EMITTER_TRIANGLE) {
+        Vec3 corner[3];
+        rtc_triangle(compiled->rtc, emitter->of, emitter->part, time, corner);
+        double root = sqrt(u[0]);
+        Vec3 place = vec3_along(corner[0], root * (1 - u[1]), vec3_sub(corner[1], corner[0]));
+        return vec3_along(place, root * u[1], vec3_sub(corner[2], corner[0]));
+    }
+    const SceneObject *object = &scene->objects[emitter->of];
+    const Affine *keys = scene_keys(scene, object);
+    Affine to_world = keys ? affine_between(keys, scene->n_keys, time) : object->to_world;
+    Vec3 unused;
+    return affine_point(&to_world,
+                        piece_sample(&scene->shapes[object->shape].solid->pieces[emitter->part], u[0], u[1], &unused));
+}
+
+/* What asking for a place needs. */
+typedef struct Asking {
+    const CompiledScene *compiled;
+    uint32_t operand;
+    HitList hits;
+    NestList list;
+} Asking;
+
+/* Point number i of an emitter, of a sequence that covers the square and the shutter's time evenly. */
+static Status ask(Asking *asking, const Emitter *emitter, uint32_t i, uint32_t *n_shown)
+{
+    const CompiledScene *compiled = asking->compiled;
+    const double steps[3] = {0.81917251339616444, 0.67104360670378923,
+                             0.54970047790197031}; /* 1 / 1.2207..., its powers */
+    double at[3];
+    for (int k = 0; k < 3; k++) {
+        double x = 0.5 + steps[k] * i;
+        at[k] = x - floor(x);
+    }
+    double time = compiled->scene->n_keys ? at[2] : 0;
+    Vec3 place = emitter_place(compiled, emitter, time, at);
+    TRY(compiled_interior(compiled, vec3f_from(place), time, &asking->hits, &asking->list, NULL));
+    TRY(nest_list_reserve(&asking->list, 1));
+    *n_shown += nest_csg_shows(&compiled->csg, &asking->list, asking->operand);
+    return STATUS_OK;
+}
+
+/* Groups of emitters that stand side by side share their points where there are more emitters than points. */
+static Status ask_all(Asking *asking, const Emitter *emitters, uint32_t n, uint32_t n_groups, uint32_t of_one,
+                      uint32_t *shown)
+{
+    for (uint32_t group = 0; group < n_groups; group++) {
+        uint32_t begin = (uint32_t)((uint64_t)n * group / n_groups),
+                 end = (uint32_t)((uint64_t)n * (group + 1) / n_groups);
+        shown[group] = 0;
+        for (uint32_t i = 0; i < of_one; i++)
+            TRY(ask(asking, &emitters[(begin + end) / 2], group * of_one + i, &shown[group]));
+    }
+    return STATUS_OK;
+}
+
+/* What few points of one tell is taken together with what all of them tell; a surface of which none is found may still have some that
+ * shows. */
+static void find_parts(uint32_t n, uint32_t n_groups, uint32_t of_one, const uint32_t *shown, float *parts)
+{
+    uint32_t all = 0;
+    for (uint32_t group = 0; group < n_groups; group++) all += shown[group];
+    double of_all = fmin((all + 0.5) / ((double)n_groups * of_one), 1);
+    for (uint32_t group = 0; group < n_groups; group++) {
+        uint32_t begin = (uint32_t)((uint64_t)n * group / n_groups),
+                 end = (uint32_t)((uint64_t)n * (group + 1) / n_groups);
+        for (uint32_t i = begin; i < end; i++) parts[i] = (float)((shown[group] + of_all) / (of_one + 1.0));
+    }
+}
+
+Status emitter_cut_parts(const CompiledScene *compiled, const Emitter *emitters, uint32_t n, uint32_t n_points,
+                         float *parts, Error *error)
+{
+    uint32_t n_groups = n < n_points ? n : n_points;
+    for (uint32_t i = 0; i < n; i++) parts[i] = 1;
+    if (!n_groups) return STATUS_OK;
+    uint32_t of_one = n_points / n_groups < MOST_OF_ONE ? n_points / n_groups : MOST_OF_ONE;
+    uint32_t *shown = malloc(n_groups * sizeof *shown);
+    if (!shown) return fail_memory(error, n_groups * sizeof *shown, "combinations that shine");
+    Asking asking = {.compiled = compiled, .operand = compiled->hull_of_object[emitters->of]};
+    nest_list_init(&asking.list);
+    Status status = ask_all(&asking, emitters, n, n_groups, of_one, shown);
+    if (status == STATUS_OK)
+        find_parts(n, n_groups, of_one, shown, parts);
+    else
+        status = fail_memory(error, sizeof(Hit), "combinations that shine");
+    free(shown);
+    nest_list_clear(&asking.list);
+    hit_list_clear(&asking.hits);
+    return status;
+}

@@ -1,0 +1,17 @@
+/* emitter_cut.h - how much of the surfaces of operands is on the surface of their combination: private to src/trace/emitter*.c.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_EMITTER_CUT_H
+#define MEN_EMITTER_CUT_H
+
+#include "trace/emitter.h"
+
+/* Estimates for emitters[0 .. n), all parts of one operand, which part of each is on the combination's surface, by points; parts[i]
+ * is never 0. n_points: how many; 0: all parts are 1. The same at all times that it is asked. STATUS_NOMEM. */
+ATTR_NODISCARD Status emitter_cut_parts(const CompiledScene *compiled, const Emitter *emitters, uint32_t n,
+                                        uint32_t n_points, float *parts, Error *error);
+
+/* A place of an emitter that is a triangle or a piece, uniform in its area (of a piece: before it is stretched) for u uniform in
+ * [0, 1)^2. */
+Vec3 emitter_place(const CompiledScene *compiled, const Emitter *emitter, double time, const double u[2]);
+
+#endif

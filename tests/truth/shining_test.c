@@ -1,0 +1,78 @@
+/* shining_test.c - surfaces that shine here and there: of combinations of objects, looked for and by chance.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "truth.h"
+
+/* ---- combinations that shine ---- */
+
+#define LAMP "surface = lamp"
+#define DARK "surface = dark"
+
+/* The surface that shines is where that of an operand is the combination's, and nowhere else; where those of two operands are at one
+ * place, it is there once. */
+static void combinations(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *what, *lamp;
+    } cases[] = {
+        {"half a ball", "difference { sphere { radius = 12 } box { from = <-20, 1, -20>  to = <20, 20, 20> } " LAMP
+                        "  translate(<4, 18, 2>) }"},
+        {"a bowl that shines inside, upside down",
+         "difference { sphere { radius = 14  " DARK " } sphere { radius = 12  " LAMP
+         " } box { from = <-20, -20, -20>  to = <20, 0, 20>  " DARK " }  translate(<3, 10, 0>) }"},
+        {"a globe on its stem",
+         "union { sphere { radius = 9  " LAMP " } cylinder { from = <0, -14, 0>  to = <0, -5, 0>  "
+         "radius = 3  " DARK " }  translate(<4, 17, 0>) }"},
+        {"two plates, level below, that overlap",
+         "union { box { from = <-12, 0, -6>  to = <4, 3, 9>  " LAMP
+         " } box { from = <-3, 0, -7>  to = <14, 4, 5>  " LAMP " }  translate(<0, 14, 0>) }"},
+        {"the same in two colours",
+         "union { box { from = <-12, 0, -6>  to = <4, 3, 9>  " LAMP
+         " } box { from = <-3, 0, -7>  to = <14, 4, 5>  " DARK " }  translate(<0, 14, 0>) }"},
+        {"a lens of two balls, mirrored and aslant",
+         "group { intersection { sphere { center = <9, 0, 0>  radius = 14 } sphere { center = <-9, 0, 0>  radius = 16 "
+         "} " LAMP " }  rotate(z, 70deg)  scale(<1.2, -1, .8>)  translate(<-3, 15, 0>) }"},
+        {"a tube of triangles with a slot",
+         "difference { prism { outline = [for (i in 0..<12) <9 * cos(30 * i), 9 * sin(30 * i)>]  from = 0  to = 20 "
+         " " DARK " }\n"
+         "  prism { outline = [for (i in 0..<12) <7 * cos(30 * i), 7 * sin(30 * i)>]  from = 0  to = 40  " LAMP
+         "  translate(<0, -5, 0>) }\n  box { from = <-20, -30, -4>  to = <20, 30, 4>  " DARK
+         " }  rotate(x, 40deg)  translate(<0, 20, 0>) }"},
+        {"parts of parts",
+         "difference { union { sphere { radius = 8 } box { from = <-14, -3, -3>  to = <14, 3, 3> } }\n"
+         "  difference { cylinder { from = <0, -9, 0>  to = <0, 9, 0>  radius = 5  " DARK
+         " } sphere { radius = 4 } }\n  plane { normal = <1, 1, 0>  distance = -9 } " LAMP
+         "  rotate(y, 20deg)  translate(<2, 16, 0>) }"},
+        {"from within",
+         "difference { box { from = <-60, -9, -60>  to = <60, 60, 60>  " DARK " } sphere { center = <5, 8, 2>  "
+         "radius = 30  " LAMP " } }"},
+        {"flush with a wall",
+         "union { box { from = <-8, 12, -6>  to = <8, 20, 6> } cylinder { from = <0, 15, 0>  to = <0, 20, 0>  radius = "
+         "11 } " LAMP " } box { from = <-30, 20, -30>  to = <30, 22, 30>  " DARK " }"},
+        {"behind a pane", "union { sphere { radius = 9 } sphere { center = <8, 0, 0>  radius = 6 } " LAMP
+                          "  translate(<0, 20, 0>) } box { from = <-60, 4, -60>  to = <60, 4.5, 60>  surface = pane }"},
+        {"in fog", "union { sphere { radius = 7 } torus { radius = 8  tube = 3 } " LAMP "  translate(<3, 16, 0>) }\n"
+                   "medium fog { ior = 1  absorption = .004 / 1mm  scattering = .03 / 1mm }\n"
+                   "box { interior = fog  from = <-40, -1, -40>  to = <40, 30, 40> }"},
+        {"that moves", "difference { sphere { radius = 12 } box { from = <-20, -2, -20>  to = <20, 20, 20>  "
+                       "translate(<0, 4 * clock, 0>) } " LAMP "  translate(<4 - 90 * clock, 18, 2>) }\n"
+                       "animation { frames = 10 }"},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        char text[1800];
+        snprintf(text, sizeof text,
+                 "meniscus 1.0 unit mm  ground { surface = surface { albedo = .8 } }\n"
+                 "camera { from = <0, 3, 4.5>  to = <0, 0, 0>  fov = .01deg  shutter = 180 }\n"
+                 "surface lamp { albedo = .3  emission = 1  radiance = 2 }  surface dark { albedo = .2 }\n"
+                 "surface pane { thin = true  transmission = 1  ior = 1.5  roughness = 0 }\n"
+                 "%s\n",
+                 cases[i].lamp);
+        truth_found_alike(cases[i].what, text, 4096, 0.006);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(combinations)};
+    return cmocka_run_group_tests_name("surfaces that shine", tests, NULL, NULL);
+}
