@@ -101,6 +101,8 @@ double piece_area(const Piece *piece);
 /* A point of the piece in its own frame, uniform in area for u and v uniform in [0, 1); *normal: outward, unit. Not for
  * planes without end. */
 Vec3 piece_sample(const Piece *piece, double u, double v, Vec3 *normal);
+/* The u and v that piece_sample has for a point of the piece. */
+void piece_find(const Piece *piece, Vec3 p, double u[2]);
 /* The rectangle in the half plane that a band, an arc or a torus stays within. */
 typedef struct HalfBox {
     double r0, y0, r1, y1;

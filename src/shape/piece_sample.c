@@ -96,3 +96,36 @@ Vec3 piece_sample(const Piece *piece, double u, double v, Vec3 *normal)
     *normal = vec3(normal_r * cosine, normal_y, normal_r * sine);
     return vec3(r * cosine, y, r * sine);
 }
+
+/* The u of a point of a band, (r, y) in the half plane: what of its area is nearer to its beginning. */
+static double band_part(const Piece *piece, double r, double y)
+{
+    double a = piece->r0, b = piece->r1, along = b - a, up = piece->y1 - piece->y0;
+    double part = ((r - a) * along + (y - piece->y0) * up) / (along * along + up * up);
+    return part * (2 * a + part * along) / (a + b);
+}
+
+static double arc_part(const Piece *piece, double r, double y)
+{
+    Arc arc = arc_of(piece);
+    double angle = atan2(y - arc.y, r - arc.r), first = arc_sum(&arc, arc.from);
+    double off = angle - 0.5 * (arc.from + arc.to);
+    if (fabs(off) > MEN_PI) angle -= copysign(2 * MEN_PI, off);
+    angle = fmin(fmax(angle, arc.from), arc.to);
+    return (arc_sum(&arc, angle) - first) / (arc_sum(&arc, arc.to) - first);
+}
+
+void piece_find(const Piece *piece, Vec3 p, double u[2])
+{
+    if (piece->kind == PIECE_RECT) {
+        u[0] = 0.5 + 0.5 * p.x / piece->r0;
+        u[1] = 0.5 + 0.5 * p.z / piece->r1;
+        return;
+    }
+    double r = hypot(p.x, p.z), turn = atan2(p.z, p.x) / (2 * MEN_PI);
+    u[1] = turn < 0 ? turn + 1 : turn;
+    if (piece->kind == PIECE_SPHERE)
+        u[0] = 0.5 - 0.5 * p.y / piece->r0;
+    else
+        u[0] = piece->kind == PIECE_BAND ? band_part(piece, r, p.y) : arc_part(piece, r, p.y);
+}

@@ -7,7 +7,9 @@
 #include "base/angle.h"
 #include "nest/csg.h"
 #include "optics/color.h"
+#include "trace/emitter_cells.h"
 #include "trace/emitter_cut.h"
+#include "trace/world.h"
 
 static double luminance_of(const Spectrum *radiance)
 {
@@ -83,6 +85,8 @@ typedef struct Finder {
     LightBounds *bounds;
     float *parts;            /* room for as many numbers as the largest operand has emitters */
     uint32_t points_of_each; /* for finding out what of an operand shows */
+    uint32_t *textured;      /* emitters whose emission is a texture */
+    uint32_t n_textured;
 } Finder;
 
 /* For each operand, and for all of a scene's together. */
@@ -203,9 +207,42 @@ static Status add_objects(Finder *f, Error *error)
             add_triangles(f, i, luminance);
         else
             add_pieces(f, i, luminance);
+        bool textured = scene->surfaces[object->surface].emission_texture != SCENE_NONE;
+        for (uint32_t k = first; textured && k < f->set->n; k++)
+            if (f->bounds[k].power > 0) f->textured[f->n_textured++] = k;
         if (object->part_of != SCENE_NONE) TRY(weigh_operand(f, first, error));
     }
     return STATUS_OK;
+}
+
+/* The emitters f->textured[begin .. end) are of one object. Their powers are as if all of it were as bright as its surface's mean. */
+static void weigh_brightness(Finder *f, uint32_t begin, uint32_t end, const float *means)
+{
+    const double least = 1e-3, of_all = 0.35; /* what places that were not looked at may be */
+    const Scene *scene = f->compiled->scene;
+    uint32_t object = f->set->emitters[f->textured[begin]].of;
+    double taken = luminance_of(&scene->surfaces[scene->objects[object].surface].emission), all = 0;
+    for (uint32_t i = begin; i < end; i++) all += (double)means[i] / (end - begin);
+    for (uint32_t i = begin; i < end; i++) {
+        double mean = (1 - of_all) * (double)means[i] + of_all * all;
+        f->bounds[f->textured[i]].power *= (float)fmax(mean / taken, least);
+    }
+}
+
+static Status weigh_textured(Finder *f, const World *world, Pool *pool, Error *error)
+{
+    const Emitter *emitters = f->set->emitters;
+    float *means = malloc((f->n_textured + (size_t)1) * sizeof *means);
+    if (!means) return fail_memory(error, f->n_textured * sizeof *means, "textures that shine");
+    for (uint32_t i = 0; i < f->n_textured; i++) means[i] = f->bounds[f->textured[i]].power;
+    Status status = emitter_cells_find(world, f->set, f->textured, f->n_textured, pool, means, error);
+    for (uint32_t begin = 0, end; status == STATUS_OK && begin < f->n_textured; begin = end) {
+        for (end = begin + 1; end < f->n_textured; end++)
+            if (emitters[f->textured[end]].of != emitters[f->textured[begin]].of) break;
+        weigh_brightness(f, begin, end, means);
+    }
+    free(means);
+    return status;
 }
 
 /* ---- media ---- */
@@ -255,16 +292,18 @@ static void add_lights(Finder *f)
     }
 }
 
-/* How many emitters there are, and what is to be known of operands before they are added. */
-static uint64_t count_all(Finder *f, uint32_t *n_of_operand)
+/* How many emitters there are, of the largest operand, and with textures. */
+static uint64_t count_all(Finder *f, uint32_t *n_of_operand, uint64_t *n_textured)
 {
     const Scene *scene = f->compiled->scene;
     uint64_t n = (uint64_t)scene->n_lights + f->media->n_glows;
     uint32_t n_operands = 0;
     *n_of_operand = 0;
+    *n_textured = 0;
     for (uint32_t i = 0; i < scene->n_objects; i++) {
         uint32_t more = count_parts(f->compiled, i);
         n += more;
+        if (more && scene->surfaces[scene->objects[i].surface].emission_texture != SCENE_NONE) *n_textured += more;
         if (!more || scene->objects[i].part_of == SCENE_NONE) continue;
         n_operands++;
         if (more > *n_of_operand) *n_of_operand = more;
@@ -274,34 +313,38 @@ static uint64_t count_all(Finder *f, uint32_t *n_of_operand)
     return n;
 }
 
-Status emitters_find(const CompiledScene *compiled, const WorldMedia *media, Pool *pool, EmitterSet *set, Error *error)
+Status emitters_find(const World *world, Pool *pool, EmitterSet *set, Error *error)
 {
-    const Scene *scene = compiled->scene;
+    const Scene *scene = world->scene;
     uint32_t n_of_operand;
+    uint64_t n_textured;
     *set = (EmitterSet){0};
-    Finder f = {.compiled = compiled, .media = media, .set = set};
-    uint64_t n = count_all(&f, &n_of_operand);
+    Finder f = {.compiled = world->compiled, .media = &world->media, .set = set};
+    uint64_t n = count_all(&f, &n_of_operand, &n_textured);
     if (n > LIGHT_TREE_MOST)
         return fail(error, STATUS_RENDER, "%llu triangles shine, more than can be chosen from", (unsigned long long)n);
     f.bounds = malloc((n + 1) * sizeof *f.bounds);
     f.parts = malloc((n_of_operand + (size_t)1) * sizeof *f.parts);
+    f.textured = malloc((n_textured + 1) * sizeof *f.textured);
     set->emitters = malloc((n + 1) * sizeof *set->emitters);
     set->first_of_object = malloc((scene->n_objects + 1U) * sizeof *set->first_of_object);
     size_t n_powers = (size_t)scene->n_lights + scene->n_surfaces + scene->n_media;
     set->powers = calloc(n_powers + 1, sizeof *set->powers);
     Status status = STATUS_OK;
-    if (!f.bounds || !f.parts || !set->emitters || !set->first_of_object || !set->powers) {
+    if (!f.bounds || !f.parts || !f.textured || !set->emitters || !set->first_of_object || !set->powers) {
         status = fail_memory(error, n * sizeof *f.bounds, "lights");
     } else {
         for (uint32_t i = 0; i < scene->n_objects; i++) set->first_of_object[i] = EMITTER_NONE;
         add_lights(&f);
         status = add_objects(&f, error);
+        if (status == STATUS_OK) status = weigh_textured(&f, world, pool, error);
         add_glows(&f);
         sum_powers(&f);
         if (status == STATUS_OK) status = light_tree_new(f.bounds, set->n, pool, &set->tree, error);
     }
     free(f.bounds);
     free(f.parts);
+    free(f.textured);
     if (status != STATUS_OK) emitters_clear(set);
     return status;
 }
@@ -309,6 +352,7 @@ Status emitters_find(const CompiledScene *compiled, const WorldMedia *media, Poo
 void emitters_clear(EmitterSet *set)
 {
     light_tree_free(set->tree);
+    emitter_cells_clear(set);
     free(set->emitters);
     free(set->first_of_object);
     free(set->powers);

@@ -25,9 +25,13 @@ typedef enum EmitterKind {
 typedef struct Emitter {
     uint32_t of, part;
     EmitterKind kind;
-    bool cut;    /* the object is an operand, whose surface need not be there */
-    bool inward; /* and is taken away from the others: its surface shines to where it was */
+    bool cut;       /* the object is an operand, whose surface need not be there */
+    bool inward;    /* and is taken away from the others: its surface shines to where it was */
+    uint32_t cells; /* by which places on it are chosen: of the set's, from 1 on; 0: they are spread evenly */
 } Emitter;
+
+typedef struct EmitterCells EmitterCells; /* see emitter_cells.h */
+struct World;
 
 typedef struct EmitterSet {
     Emitter *emitters;
@@ -39,11 +43,12 @@ typedef struct EmitterSet {
     /* What all of them give by each light of the scene, then by each surface, then by each medium: luminance in all directions,
      * W / m^2 times square scene units. */
     double *powers;
+    EmitterCells **cells;
+    uint32_t n_cells;
 } EmitterSet;
 
-/* pool: whose threads help, or NULL */
-ATTR_NODISCARD Status emitters_find(const CompiledScene *compiled, const WorldMedia *media, Pool *pool, EmitterSet *set,
-                                    Error *error);
+/* Of a world whose media and looks are known. pool: whose threads help, or NULL */
+ATTR_NODISCARD Status emitters_find(const struct World *world, Pool *pool, EmitterSet *set, Error *error);
 void emitters_clear(EmitterSet *set);
 
 /* The emitter that a hit is on; EMITTER_NONE where there is none. */

@@ -5,27 +5,10 @@
 #include <stdlib.h>
 
 #include "nest/csg.h"
+#include "trace/emitter_place.h"
 
 /* Of one triangle or piece no more points are asked: a part in 64 is known well enough to choose by. */
 enum { MOST_OF_ONE = 64 };
-
-Vec3 emitter_place(const CompiledScene *compiled, const Emitter *emitter, double time, const double u[2])
-{
-    const Scene *scene = compiled->scene;
-    if (emitter->kind == EMITTER_TRIANGLE) {
-        Vec3 corner[3];
-        rtc_triangle(compiled->rtc, emitter->of, emitter->part, time, corner);
-        double root = sqrt(u[0]);
-        Vec3 place = vec3_along(corner[0], root * (1 - u[1]), vec3_sub(corner[1], corner[0]));
-        return vec3_along(place, root * u[1], vec3_sub(corner[2], corner[0]));
-    }
-    const SceneObject *object = &scene->objects[emitter->of];
-    const Affine *keys = scene_keys(scene, object);
-    Affine to_world = keys ? affine_between(keys, scene->n_keys, time) : object->to_world;
-    Vec3 unused;
-    return affine_point(&to_world,
-                        piece_sample(&scene->shapes[object->shape].solid->pieces[emitter->part], u[0], u[1], &unused));
-}
 
 /* What asking for a place needs. */
 typedef struct Asking {
@@ -47,7 +30,7 @@ static Status ask(Asking *asking, const Emitter *emitter, uint32_t i, uint32_t *
         at[k] = x - floor(x);
     }
     double time = compiled->scene->n_keys ? at[2] : 0;
-    Vec3 place = emitter_place(compiled, emitter, time, at);
+    Vec3 place = emitter_place(compiled, emitter, time, at, NULL);
     TRY(compiled_interior(compiled, vec3f_from(place), time, &asking->hits, &asking->list, NULL));
     TRY(nest_list_reserve(&asking->list, 1));
     *n_shown += nest_csg_shows(&compiled->csg, &asking->list, asking->operand);

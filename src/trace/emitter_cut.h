@@ -10,8 +10,4 @@
 ATTR_NODISCARD Status emitter_cut_parts(const CompiledScene *compiled, const Emitter *emitters, uint32_t n,
                                         uint32_t n_points, float *parts, Error *error);
 
-/* A place of an emitter that is a triangle or a piece, uniform in its area (of a piece: before it is stretched) for u uniform in
- * [0, 1)^2. */
-Vec3 emitter_place(const CompiledScene *compiled, const Emitter *emitter, double time, const double u[2]);
-
 #endif

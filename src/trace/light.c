@@ -3,6 +3,7 @@
 #include "trace/light.h"
 
 #include "optics/sampling.h"
+#include "trace/emitter_cells.h"
 #include "trace/light_flat.h"
 #include "trace/texture_view.h"
 
@@ -255,6 +256,30 @@ static void sample_glow(const World *world, const Glow *glow, const LightQuery *
                             .radiance = radiance};
 }
 
+static inline void sample_object(const World *world, const Emitter *emitter, const LightQuery *query,
+                                 LightSample *sample)
+{
+    const Scene *scene = world->scene;
+    if (emitter->kind == EMITTER_TRIANGLE)
+        sample_triangle(world, emitter, query, sample);
+    else if (emitter->kind == EMITTER_BALL)
+        sample_ball(world, emitter, query, sample);
+    else
+        sample_piece(world, emitter, query, sample);
+    const SceneSurface *surface = &scene->surfaces[scene->objects[emitter->of].surface];
+    sample->radiance = sample_emission(world, surface, emitter, query, sample);
+}
+
+/* Where its texture is bright. */
+ATTR_APART static void sample_in_cells(const World *world, const Emitter *emitter, const LightQuery *query,
+                                       LightSample *sample)
+{
+    LightQuery there = *query;
+    float density = emitter_cells_choose(world->emitters.cells[emitter->cells - 1], query->u, there.u);
+    sample_object(world, emitter, &there, sample);
+    sample->pdf_w *= density;
+}
+
 static void sample_emitter(const World *world, const Emitter *emitter, const LightQuery *query, LightSample *sample)
 {
     const Scene *scene = world->scene;
@@ -266,14 +291,10 @@ static void sample_emitter(const World *world, const Emitter *emitter, const Lig
         sample_glow(world, &world->media.glows[emitter->of], query, sample);
         return;
     }
-    const SceneObject *object = &scene->objects[emitter->of];
-    if (emitter->kind == EMITTER_TRIANGLE)
-        sample_triangle(world, emitter, query, sample);
-    else if (emitter->kind == EMITTER_BALL)
-        sample_ball(world, emitter, query, sample);
+    if (UNLIKELY(emitter->cells))
+        sample_in_cells(world, emitter, query, sample);
     else
-        sample_piece(world, emitter, query, sample);
-    sample->radiance = sample_emission(world, &scene->surfaces[object->surface], emitter, query, sample);
+        sample_object(world, emitter, query, sample);
 }
 
 void light_sample_emitter(const World *world, uint32_t emitter, const LightQuery *query, LightSample *sample)
@@ -384,6 +405,11 @@ LightPivot light_pivot(const World *world, uint32_t number, double time, double 
     const Scene *scene = world->scene;
     Vec3 place = vec3(0, 0, 0), unused;
     Affine room;
+    float chosen[2];
+    if (UNLIKELY(emitter->cells)) {
+        emitter_cells_choose(world->emitters.cells[emitter->cells - 1], u, chosen);
+        u = chosen;
+    }
     switch (emitter->kind) {
     case EMITTER_LIGHT: {
         const SceneLight *light = &scene->lights[emitter->of];
@@ -475,7 +501,10 @@ static float object_pdf(const World *world, const Emitter *emitter, Vec3 from, c
         area = piece_area(piece_of(world, object, emitter->part)) * stretch;
     }
     Vec3 to = vec3_sub(ray_point(ray, hit->t), from);
-    return area > 0 ? (float)(vec3_dot(to, to) / (fabs(hit->cos_normal) * area)) : 0;
+    float pdf = area > 0 ? (float)(vec3_dot(to, to) / (fabs(hit->cos_normal) * area)) : 0;
+    if (UNLIKELY(emitter->cells))
+        pdf *= emitter_cells_density_hit(&world->emitters, world->compiled, emitter, ray, hit);
+    return pdf;
 }
 
 float light_pdf_hit(const World *world, const LightChoices *choices, Vec3 from, Vec3f normal, const Ray *ray,

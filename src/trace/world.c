@@ -235,7 +235,7 @@ static Status find_beacons(World *world, Error *error)
 /* What shines, and how often each of it is tried. Emitters come first, as all else asks what they are. */
 static Status init_lights(World *world, Pool *pool, Error *error)
 {
-    TRY(emitters_find(world->compiled, &world->media, pool, &world->emitters, error));
+    TRY(emitters_find(world, pool, &world->emitters, error));
     TRY(ties_find_yielding(world->scene, &world->yields, error));
     for (unsigned reach = 0; reach < REACHES; reach++) TRY(choose_lights(world, reach, error));
     TRY(slabs_find(world->compiled, &world->slabs, error));

@@ -1,4 +1,4 @@
-/* shining_test.c - surfaces that shine here and there: of combinations of objects, looked for and by chance.
+/* shining_test.c - surfaces that shine here and there, of combinations of objects and with textures: looked for and by chance.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "truth.h"
 
@@ -71,8 +71,47 @@ static void combinations(void **state)
     }
 }
 
+/* ---- textures that shine ---- */
+
+/* Bright in a small part of the surface, which is found by where that is. */
+static void textures(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *what, *lamp;
+    } cases[] = {
+        {"a ball with a bright cap", "sphere { radius = 12  surface = spots  translate(<4, 18, 2>) }"},
+        {"a box with bright places", "box { from = <-12, 12, -6>  to = <10, 15, 9>  surface = spots }"},
+        {"a ring with bright places, stretched",
+         "torus { radius = 10  tube = 4  surface = spots  scale(<1, .5, 1.3>)  translate(<2, 14, 2>) }"},
+        {"a sheet", "mesh { positions = [<-20, 15, -20>, <20, 15, -20>, <20, 18, 20>, <-20, 18, 20>]\n"
+                    "  triangles = [<0, 1, 2>, <0, 2, 3>]  surface = spots }"},
+        {"a bowl with bright places inside",
+         "difference { sphere { radius = 14 } sphere { radius = 12  surface = spots } box { from = <-20, -20, -20>  "
+         "to = <20, 0, 20> }\n  surface = surface { albedo = .2 }  translate(<3, 10, 0>) }"},
+        {"a mesh of many triangles", "isosurface { function = f  from = <-11, -11, -11>  to = <11, 11, 11>  surface = "
+                                     "spots  translate(<2, 18, 0>) }\n"
+                                     "def f(p) = length(p) - 10"},
+        {"in fog", "sphere { radius = 9  surface = spots  translate(<3, 16, 0>) }\n"
+                   "medium fog { ior = 1  absorption = .004 / 1mm  scattering = .03 / 1mm }\n"
+                   "box { interior = fog  from = <-40, -1, -40>  to = <40, 30, 40> }"},
+        {"that moves", "cylinder { from = <0, -3, 0>  to = <0, 3, 0>  radius = 12  surface = spots\n"
+                       "  rotate(y, 90 * clock)  translate(<4 - 90 * clock, 18, 2>) }  animation { frames = 10 }"},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        char text[1800];
+        snprintf(text, sizeof text,
+                 "meniscus 1.0 unit mm  ground { surface = surface { albedo = .8 } }\n"
+                 "camera { from = <0, 3, 4.5>  to = <0, 0, 0>  fov = .01deg  shutter = 180 }\n"
+                 "def place(p) = sin(40deg * p.x + 3) * sin(30deg * p.z + 10deg * p.y) > .6 ? 4 : .02\n"
+                 "surface spots { albedo = .3  emission = place  radiance = 2 }\n%s\n",
+                 cases[i].lamp);
+        truth_found_alike(cases[i].what, text, 4096, 0.008);
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(combinations)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(combinations), cmocka_unit_test(textures)};
     return cmocka_run_group_tests_name("surfaces that shine", tests, NULL, NULL);
 }

@@ -472,6 +472,89 @@ static void operands_that_shine(void **state)
     for (size_t i = 0; i < COUNT_OF(cut); i++) run_case(&cut[i]);
 }
 
+/* Every kind again, bright in a part alone. */
+#define SPOT "def spot(p) = p.x > .3 * p.z + 1 ? 3 : .02\n"
+#define SPOTTED "surface = surface { albedo = 0  emission = spot  radiance = 2 }"
+static const Case spotted[] = {
+    {"ball with a spot",
+     "def cap(p) = p.x - p.y > 9 ? 3 : 0\n"
+     "sphere { radius = 9  surface = surface { emission = cap  radiance = 2 }  translate(<4, 20, 1>) }",
+     ORIGIN,
+     UP,
+     {4, 20, 1},
+     0.5,
+     0.3},
+    {"ellipsoid with a spot",
+     SPOT "ellipsoid { radii = <12, 3, 6>  " SPOTTED "  rotate(z, 30deg)  translate(<5, 18, 3>) }",
+     ORIGIN,
+     ANYWHERE,
+     {0, 18, 3},
+     1.2,
+     0.2},
+    {"box with bright parts",
+     SPOT "box { from = <-5, 9, -5>  to = <5, 12, 9>  " SPOTTED " }",
+     ORIGIN,
+     UP,
+     {0, 10, 1},
+     1.0,
+     0.2},
+    {"cylinder with bright parts",
+     SPOT "cylinder { from = <-10, 12, 4>  to = <12, 20, -3>  radius = 3  " SPOTTED " }",
+     ORIGIN,
+     UP,
+     {1, 16, 0},
+     1.0,
+     0.2},
+    {"cone with bright parts, stretched",
+     SPOT "cone { from = <0, 9, 0>  to = <4, 25, 4>  radius_from = 8  radius_to = 2  " SPOTTED "  scale(<1, 1, .4>) }",
+     ORIGIN,
+     ANYWHERE,
+     {1, 12, 0},
+     1.0,
+     0.2},
+    {"torus with bright parts",
+     SPOT "torus { radius = 8  tube = 3  " SPOTTED "  rotate(x, 70deg)  translate(<3, 14, -4>) }",
+     ORIGIN,
+     UP,
+     {3, 14, -4},
+     1.3,
+     0.2},
+    {"torus that reaches over its axis",
+     SPOT "torus { radius = 3  tube = 5  " SPOTTED "  rotate(x, 70deg)  translate(<3, 14, -4>) }",
+     ORIGIN,
+     UP,
+     {3, 14, -4},
+     1.3,
+     0.05},
+    {"lathe with arcs, with bright parts",
+     SPOT "lathe { profile = [<0, 20>, <12, 12>, <11, 10>, <0, 17>]  rounding = [0, .5, .4, 0]  " SPOTTED " }",
+     ORIGIN,
+     UP,
+     {0, 15, 0},
+     1.2,
+     0.2},
+    {"an open sheet with a spot, from behind",
+     SPOT "mesh { positions = [<-15, 20, -6>, <15, 20, -6>, <15, 22, 6>]  triangles = [<0, 1, 2>]  " SPOTTED " }",
+     ORIGIN,
+     UP,
+     {3, 20, -2},
+     0.9,
+     0.9},
+    {"a bowl with a spot inside",
+     SPOT "difference { sphere { center = <4, 20, 1>  radius = 9 } sphere { center = <4, 18, 1>  radius = 9  " SPOTTED
+          " } surface = surface { } }",
+     ORIGIN,
+     UP,
+     {4, 20, 1},
+     0.6,
+     0.2}};
+
+static void textures_that_shine(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < COUNT_OF(spotted); i++) run_case(&spotted[i]);
+}
+
 static void surfaces_that_shine(void **state)
 {
     (void)state;
@@ -566,6 +649,7 @@ static void outside(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(lights), cmocka_unit_test(surfaces_that_shine),
-                                       cmocka_unit_test(operands_that_shine), cmocka_unit_test(outside)};
+                                       cmocka_unit_test(operands_that_shine), cmocka_unit_test(textures_that_shine),
+                                       cmocka_unit_test(outside)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

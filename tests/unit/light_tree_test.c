@@ -308,8 +308,12 @@ static void pieces(void **state)
         assert_near(piece_area(piece), cases[i].area, 1e-9 * cases[i].area);
         double sum_y = 0;
         for (int k = 0; k < STEPS; k++) {
-            Vec3 normal, p = piece_sample(piece, (k + 0.5) / STEPS, dice(), &normal);
+            double turn = dice(), found[2];
+            Vec3 normal, p = piece_sample(piece, (k + 0.5) / STEPS, turn, &normal);
             sum_y += p.y / STEPS;
+            piece_find(piece, p, found);
+            assert_near(found[0], (k + 0.5) / STEPS, 1e-7);
+            assert_near(found[1], turn, 1e-7);
             assert_near(vec3_length(normal), 1, 1e-9);
             /* a line along the normal meets the piece there, and its normal is the same */
             double t[PIECE_MAX_ROOTS], nearest = HUGE_VAL, at = 0;
