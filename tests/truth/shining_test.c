@@ -54,6 +54,12 @@ static void combinations(void **state)
         {"in fog", "union { sphere { radius = 7 } torus { radius = 8  tube = 3 } " LAMP "  translate(<3, 16, 0>) }\n"
                    "medium fog { ior = 1  absorption = .004 / 1mm  scattering = .03 / 1mm }\n"
                    "box { interior = fog  from = <-40, -1, -40>  to = <40, 30, 40> }"},
+        {"partly in water",
+         "union { sphere { radius = 7 } cylinder { from = <0, 0, 0>  to = <9, 4, 0>  radius = 4 } " LAMP
+         "  translate(<3, 14, 0>) }\n"
+         "medium water { ior = 1.33  absorption = .01 / 1mm }  box { interior = water  from = <-40, -1, -40>  to = "
+         "<40, "
+         "15, 40> }"},
         {"that moves", "difference { sphere { radius = 12 } box { from = <-20, -2, -20>  to = <20, 20, 20>  "
                        "translate(<0, 4 * clock, 0>) } " LAMP "  translate(<4 - 90 * clock, 18, 2>) }\n"
                        "animation { frames = 10 }"},
