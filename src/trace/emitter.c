@@ -85,12 +85,17 @@ typedef struct Finder {
     LightBounds *bounds;
     float *parts;            /* room for as many numbers as the largest operand has emitters */
     uint32_t points_of_each; /* for finding out what of an operand shows */
-    uint32_t *textured;      /* emitters whose emission is a texture */
-    uint32_t n_textured;
+    uint32_t *textured;      /* emitters whose emission is a texture, */
+    uint32_t *partly;        /* and others, of operands, of which a part shows; */
+    float *shown;            /* of them that part */
+    uint32_t n_textured, n_partly;
 } Finder;
 
 /* For each operand, and for all of a scene's together. */
 enum { CUT_POINTS = 512, ALL_CUT_POINTS = 1 << 14 };
+/* Of operands of no more parts, those of which less than this shows are looked at closely. */
+enum { MOST_PARTS = 64 };
+#define PARTLY 0.6f
 
 static void add(Finder *f, Emitter emitter, const LightBounds *bounds)
 {
@@ -182,12 +187,43 @@ static uint32_t count_parts(const CompiledScene *compiled, uint32_t number)
     return rtc_n_primitives(compiled->rtc, number);
 }
 
+/* No more of it shows than is within the combination's box. */
+static void keep_within(LightBounds *bounds, Box3 whole)
+{
+    Box3 box = box3_intersection((Box3){vec3_from_f(bounds->low), vec3_from_f(bounds->high)}, whole);
+    if (box3_is_empty(box))
+        bounds->power = 0;
+    else
+        set_box(bounds, box);
+}
+
 /* The emitters from `first` on are of one operand: what of it is buried in others, or taken away, gives no light. */
 static Status weigh_operand(Finder *f, uint32_t first, Error *error)
 {
     uint32_t n = f->set->n - first;
     TRY(emitter_cut_parts(f->compiled, &f->set->emitters[first], n, f->points_of_each, f->parts, error));
-    for (uint32_t i = 0; i < n; i++) f->bounds[first + i].power *= f->parts[i];
+    const Scene *scene = f->compiled->scene;
+    const SceneObject *object = &scene->objects[f->set->emitters[first].of];
+    Box3 whole = scene_object_bounds(scene, &scene->objects[object->part_of], NULL);
+    bool closely = n <= MOST_PARTS && scene->surfaces[object->surface].emission_texture == SCENE_NONE;
+    for (uint32_t i = 0; i < n; i++) {
+        LightBounds *bounds = &f->bounds[first + i];
+        bounds->power *= f->parts[i];
+        if (bounds->power > 0) keep_within(bounds, whole);
+        if (!closely || !(bounds->power > 0) || f->parts[i] >= PARTLY) continue;
+        f->shown[f->n_partly] = f->parts[i];
+        f->partly[f->n_partly++] = first + i;
+    }
+    return STATUS_OK;
+}
+
+/* What shows of operands in small places: where that is, and how much. */
+static Status weigh_partly(Finder *f, const World *world, Pool *pool, Error *error)
+{
+    const float least = 1e-5f; /* of what was not seen anywhere */
+    for (uint32_t i = 0; i < f->n_partly; i++) f->bounds[f->partly[i]].power /= f->shown[i];
+    TRY(emitter_cells_find_cut(world, f->set, f->partly, f->n_partly, pool, f->shown, error));
+    for (uint32_t i = 0; i < f->n_partly; i++) f->bounds[f->partly[i]].power *= float_max(f->shown[i], least);
     return STATUS_OK;
 }
 
@@ -293,19 +329,20 @@ static void add_lights(Finder *f)
 }
 
 /* How many emitters there are, of the largest operand, and with textures. */
-static uint64_t count_all(Finder *f, uint32_t *n_of_operand, uint64_t *n_textured)
+static uint64_t count_all(Finder *f, uint32_t *n_of_operand, uint64_t *n_textured, uint64_t *n_partly)
 {
     const Scene *scene = f->compiled->scene;
     uint64_t n = (uint64_t)scene->n_lights + f->media->n_glows;
     uint32_t n_operands = 0;
     *n_of_operand = 0;
-    *n_textured = 0;
+    *n_textured = *n_partly = 0;
     for (uint32_t i = 0; i < scene->n_objects; i++) {
         uint32_t more = count_parts(f->compiled, i);
         n += more;
         if (more && scene->surfaces[scene->objects[i].surface].emission_texture != SCENE_NONE) *n_textured += more;
         if (!more || scene->objects[i].part_of == SCENE_NONE) continue;
         n_operands++;
+        if (more <= MOST_PARTS) *n_partly += more;
         if (more > *n_of_operand) *n_of_operand = more;
     }
     f->points_of_each = CUT_POINTS;
@@ -317,27 +354,31 @@ Status emitters_find(const World *world, Pool *pool, EmitterSet *set, Error *err
 {
     const Scene *scene = world->scene;
     uint32_t n_of_operand;
-    uint64_t n_textured;
+    uint64_t n_textured, n_partly;
     *set = (EmitterSet){0};
     Finder f = {.compiled = world->compiled, .media = &world->media, .set = set};
-    uint64_t n = count_all(&f, &n_of_operand, &n_textured);
+    uint64_t n = count_all(&f, &n_of_operand, &n_textured, &n_partly);
     if (n > LIGHT_TREE_MOST)
         return fail(error, STATUS_RENDER, "%llu triangles shine, more than can be chosen from", (unsigned long long)n);
     f.bounds = malloc((n + 1) * sizeof *f.bounds);
     f.parts = malloc((n_of_operand + (size_t)1) * sizeof *f.parts);
     f.textured = malloc((n_textured + 1) * sizeof *f.textured);
+    f.partly = malloc((n_partly + 1) * sizeof *f.partly);
+    f.shown = malloc((n_partly + 1) * sizeof *f.shown);
     set->emitters = malloc((n + 1) * sizeof *set->emitters);
     set->first_of_object = malloc((scene->n_objects + 1U) * sizeof *set->first_of_object);
     size_t n_powers = (size_t)scene->n_lights + scene->n_surfaces + scene->n_media;
     set->powers = calloc(n_powers + 1, sizeof *set->powers);
     Status status = STATUS_OK;
-    if (!f.bounds || !f.parts || !f.textured || !set->emitters || !set->first_of_object || !set->powers) {
+    if (!f.bounds || !f.parts || !f.textured || !f.partly || !f.shown || !set->emitters || !set->first_of_object ||
+        !set->powers) {
         status = fail_memory(error, n * sizeof *f.bounds, "lights");
     } else {
         for (uint32_t i = 0; i < scene->n_objects; i++) set->first_of_object[i] = EMITTER_NONE;
         add_lights(&f);
         status = add_objects(&f, error);
         if (status == STATUS_OK) status = weigh_textured(&f, world, pool, error);
+        if (status == STATUS_OK) status = weigh_partly(&f, world, pool, error);
         add_glows(&f);
         sum_powers(&f);
         if (status == STATUS_OK) status = light_tree_new(f.bounds, set->n, pool, &set->tree, error);
@@ -345,6 +386,8 @@ Status emitters_find(const World *world, Pool *pool, EmitterSet *set, Error *err
     free(f.bounds);
     free(f.parts);
     free(f.textured);
+    free(f.partly);
+    free(f.shown);
     if (status != STATUS_OK) emitters_clear(set);
     return status;
 }

@@ -1,13 +1,20 @@
-/* emitter_cells.h - where on a triangle or a piece there is light, of one whose emission is a texture: its square of two numbers
- * (emitter_place.h) in cells, which are chosen by how bright they are.
+/* emitter_cells.h - where on a triangle or a piece there is light, of one whose emission is a texture or that is an operand of which
+ * little shows: its square of two numbers (emitter_place.h) in cells, which are chosen by how bright they are.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_EMITTER_CELLS_H
 #define MEN_EMITTER_CELLS_H
 
 #include "trace/emitter.h"
 
-/* side x side cells, first u: the rows' probabilities summed up, then those of each row's cells. None of them is 0. */
+/* A part of the square. */
+typedef struct EmitterWindow {
+    double low[2], size[2];
+} EmitterWindow;
+
+/* side x side cells of a window, first u: the rows' probabilities summed up, then those of each row's cells. None of them is 0; there
+ * is no light beyond the window, or it is left to chance. */
 struct EmitterCells {
+    EmitterWindow window;
     uint32_t side;
     float sums[];
 };
@@ -26,6 +33,9 @@ float emitter_cells_density_hit(const EmitterSet *set, const CompiledScene *comp
  * mean. Nothing of it depends on the number of threads. STATUS_NOMEM. */
 ATTR_NODISCARD Status emitter_cells_find(const struct World *world, EmitterSet *set, const uint32_t *numbers,
                                          uint32_t n, Pool *pool, float *means, Error *error);
+/* The same of operands without textures, of which a part shows; that is what it puts into means, where there are few enough of them. */
+ATTR_NODISCARD Status emitter_cells_find_cut(const struct World *world, EmitterSet *set, const uint32_t *numbers,
+                                             uint32_t n, Pool *pool, float *means, Error *error);
 void emitter_cells_clear(EmitterSet *set);
 
 #endif

@@ -10,18 +10,33 @@
 /* Of one triangle or piece no more points are asked: a part in 64 is known well enough to choose by. */
 enum { MOST_OF_ONE = 64 };
 
-/* What asking for a place needs. */
-typedef struct Asking {
-    const CompiledScene *compiled;
-    uint32_t operand;
-    HitList hits;
-    NestList list;
-} Asking;
+void emitter_cut_begin(CutAsking *asking, const CompiledScene *compiled)
+{
+    *asking = (CutAsking){.compiled = compiled};
+    nest_list_init(&asking->list);
+}
 
-/* Point number i of an emitter, of a sequence that covers the square and the shutter's time evenly. */
-static Status ask(Asking *asking, const Emitter *emitter, uint32_t i, uint32_t *n_shown)
+void emitter_cut_end(CutAsking *asking)
+{
+    nest_list_clear(&asking->list);
+    hit_list_clear(&asking->hits);
+}
+
+bool emitter_cut_shows(CutAsking *asking, const Emitter *emitter, double time, const double u[2])
 {
     const CompiledScene *compiled = asking->compiled;
+    Vec3 place = emitter_place(compiled, emitter, time, u, NULL);
+    if (compiled_interior(compiled, vec3f_from(place), time, &asking->hits, &asking->list, NULL) != STATUS_OK ||
+        nest_list_reserve(&asking->list, 1) != STATUS_OK) {
+        asking->out_of_memory = true;
+        return false;
+    }
+    return nest_csg_shows(&compiled->csg, &asking->list, compiled->hull_of_object[emitter->of]);
+}
+
+/* Point number i of an emitter, of a sequence that covers the square and the shutter's time evenly. */
+static bool ask(CutAsking *asking, const Emitter *emitter, uint32_t i)
+{
     const double steps[3] = {0.81917251339616444, 0.67104360670378923,
                              0.54970047790197031}; /* 1 / 1.2207..., its powers */
     double at[3];
@@ -29,26 +44,20 @@ static Status ask(Asking *asking, const Emitter *emitter, uint32_t i, uint32_t *
         double x = 0.5 + steps[k] * i;
         at[k] = x - floor(x);
     }
-    double time = compiled->scene->n_keys ? at[2] : 0;
-    Vec3 place = emitter_place(compiled, emitter, time, at, NULL);
-    TRY(compiled_interior(compiled, vec3f_from(place), time, &asking->hits, &asking->list, NULL));
-    TRY(nest_list_reserve(&asking->list, 1));
-    *n_shown += nest_csg_shows(&compiled->csg, &asking->list, asking->operand);
-    return STATUS_OK;
+    return emitter_cut_shows(asking, emitter, asking->compiled->scene->n_keys ? at[2] : 0, at);
 }
 
 /* Groups of emitters that stand side by side share their points where there are more emitters than points. */
-static Status ask_all(Asking *asking, const Emitter *emitters, uint32_t n, uint32_t n_groups, uint32_t of_one,
-                      uint32_t *shown)
+static void ask_all(CutAsking *asking, const Emitter *emitters, uint32_t n, uint32_t n_groups, uint32_t of_one,
+                    uint32_t *shown)
 {
     for (uint32_t group = 0; group < n_groups; group++) {
         uint32_t begin = (uint32_t)((uint64_t)n * group / n_groups),
                  end = (uint32_t)((uint64_t)n * (group + 1) / n_groups);
         shown[group] = 0;
         for (uint32_t i = 0; i < of_one; i++)
-            TRY(ask(asking, &emitters[(begin + end) / 2], group * of_one + i, &shown[group]));
+            shown[group] += ask(asking, &emitters[(begin + end) / 2], group * of_one + i);
     }
-    return STATUS_OK;
 }
 
 /* What few points of one tell is taken together with what all of them tell; a surface of which none is found may still have some that
@@ -74,15 +83,11 @@ Status emitter_cut_parts(const CompiledScene *compiled, const Emitter *emitters,
     uint32_t of_one = n_points / n_groups < MOST_OF_ONE ? n_points / n_groups : MOST_OF_ONE;
     uint32_t *shown = malloc(n_groups * sizeof *shown);
     if (!shown) return fail_memory(error, n_groups * sizeof *shown, "combinations that shine");
-    Asking asking = {.compiled = compiled, .operand = compiled->hull_of_object[emitters->of]};
-    nest_list_init(&asking.list);
-    Status status = ask_all(&asking, emitters, n, n_groups, of_one, shown);
-    if (status == STATUS_OK)
-        find_parts(n, n_groups, of_one, shown, parts);
-    else
-        status = fail_memory(error, sizeof(Hit), "combinations that shine");
+    CutAsking asking;
+    emitter_cut_begin(&asking, compiled);
+    ask_all(&asking, emitters, n, n_groups, of_one, shown);
+    find_parts(n, n_groups, of_one, shown, parts);
+    emitter_cut_end(&asking);
     free(shown);
-    nest_list_clear(&asking.list);
-    hit_list_clear(&asking.hits);
-    return status;
+    return asking.out_of_memory ? fail_memory(error, sizeof(Hit), "combinations that shine") : STATUS_OK;
 }

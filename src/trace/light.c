@@ -82,12 +82,16 @@ static void sample_place(Vec3 from, Vec3 place, Vec3 normal, bool two_sided, dou
 }
 
 /* The same on the surface of an operand, which a look has to meet: a place of which only the rounded direction is known is met a
- * little before or behind it. */
-static void aim_at_cut(const Emitter *emitter, double distance, LightSample *sample)
+ * little before or behind it, and Embree finds no surface that is as near to a ray's end as what coordinates of that size are off by.
+ * to: the place from there; across: along the normal. */
+static void aim_at_cut(const Emitter *emitter, Vec3 to, Vec3 across, double coordinate, LightSample *sample)
 {
     sample->object = emitter->of;
     sample->primitive = RTC_NO_OBJECT;
-    sample->slack = sample->pdf_w > 0 ? (float)(2 * (distance / sample->distance - 1)) + 1e-6f : 0;
+    if (!(sample->pdf_w > 0)) return;
+    double distance = vec3_length(to), cosine = fabs(vec3_dot(to, across)) / (distance * vec3_length(across));
+    double beyond = 2 * rtc_rounding(vec3(coordinate, 0, 0)) / cosine;
+    sample->slack = (float)((2 * distance + beyond) / sample->distance - 2) + 1e-6f;
 }
 
 /* Uniform in area; across: the normal there, twice as long as the area. */
@@ -101,6 +105,16 @@ static Vec3 triangle_point(const World *world, const Emitter *emitter, double ti
     return vec3_along(vec3_along(corner[0], root * (1 - (double)u[1]), a), root * (double)u[1], b);
 }
 
+/* Of a triangle's corners, and of the place that it is looked at from. */
+static double largest_coordinate(const World *world, const Emitter *emitter, const LightQuery *query)
+{
+    Vec3 corner[3];
+    rtc_triangle(world->compiled->rtc, emitter->of, emitter->part, query->time, corner);
+    double largest = vec3_max_abs(query->from);
+    for (int i = 0; i < 3; i++) largest = fmax(largest, vec3_max_abs(corner[i]));
+    return largest;
+}
+
 static void sample_triangle(const World *world, const Emitter *emitter, const LightQuery *query, LightSample *sample)
 {
     Vec3 across, place = triangle_point(world, emitter, query->time, query->u, &across);
@@ -109,7 +123,8 @@ static void sample_triangle(const World *world, const Emitter *emitter, const Li
     sample_place(query->from, place, vec3_scale(across, sign / length), two_sided, 0.5 * length, sample);
     sample->object = emitter->of;
     sample->primitive = emitter->part;
-    if (UNLIKELY(emitter->cut)) aim_at_cut(emitter, vec3_length(vec3_sub(place, query->from)), sample);
+    if (UNLIKELY(emitter->cut))
+        aim_at_cut(emitter, vec3_sub(place, query->from), across, largest_coordinate(world, emitter, query), sample);
 }
 
 static const Piece *piece_of(const World *world, const SceneObject *object, uint32_t number)
@@ -129,7 +144,7 @@ static void sample_piece(const World *world, const Emitter *emitter, const Light
     double stretch = vec3_length(across), sign = (affine_determinant(to_world) < 0) != emitter->inward ? -1 : 1;
     Vec3 place = affine_point(to_world, local);
     sample_place(query->from, place, vec3_scale(across, sign / stretch), false, piece_area(piece) * stretch, sample);
-    if (UNLIKELY(emitter->cut)) aim_at_cut(emitter, vec3_length(vec3_sub(place, query->from)), sample);
+    if (UNLIKELY(emitter->cut)) aim_at_cut(emitter, vec3_sub(place, query->from), across, vec3_max_abs(place), sample);
 }
 
 /* Of a round one that stands still: its radius in the world. */
@@ -144,9 +159,8 @@ static void sample_ball(const World *world, const Emitter *emitter, const LightQ
     sample_sphere(emitter->of, ball_radius(world, object, emitter->part), object->to_world.t, query->from, query->u,
                   sample);
     if (LIKELY(!emitter->cut)) return;
-    double distance = sample->distance;
     sample->distance *= 1 - 2e-5; /* its near side, too */
-    aim_at_cut(emitter, distance, sample);
+    sample->slack = 2e-5f;
 }
 
 /* A direction in the frame of a light. Between two places that it turns through the frame is squeezed; what the light

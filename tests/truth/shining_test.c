@@ -38,6 +38,15 @@ static void combinations(void **state)
          "  prism { outline = [for (i in 0..<12) <7 * cos(30 * i), 7 * sin(30 * i)>]  from = 0  to = 40  " LAMP
          "  translate(<0, -5, 0>) }\n  box { from = <-20, -30, -4>  to = <20, 30, 4>  " DARK
          " }  rotate(x, 40deg)  translate(<0, 20, 0>) }"},
+        {"above, a tube of triangles, which sees itself aslant",
+         "difference { prism { outline = [for (i in 0..<12) <9 * cos(30 * i), 9 * sin(30 * i)>]  from = 0  to = 20 "
+         " " DARK
+         " }\n  prism { outline = [for (i in 0..<12) <7 * cos(30 * i), 7 * sin(30 * i)>]  from = -5  to = 35  " LAMP
+         " }  translate(<0, 10, 0>) }"},
+        {"within a tube of triangles",
+         "difference { box { from = <-20, -9, -20>  to = <20, 60, 20>  " DARK
+         " }\n  prism { outline = [for (i in 0..<12) <9 * cos(30 * i), 9 * sin(30 * i)>]  from = -5  to = 50  " LAMP
+         " } }"},
         {"parts of parts",
          "difference { union { sphere { radius = 8 } box { from = <-14, -3, -3>  to = <14, 3, 3> } }\n"
          "  difference { cylinder { from = <0, -9, 0>  to = <0, 9, 0>  radius = 5  " DARK
