@@ -159,8 +159,8 @@ static void sample_ball(const World *world, const Emitter *emitter, const LightQ
     sample_sphere(emitter->of, ball_radius(world, object, emitter->part), object->to_world.t, query->from, query->u,
                   sample);
     if (LIKELY(!emitter->cut)) return;
-    sample->distance *= 1 - 2e-5; /* its near side, too */
-    sample->slack = 2e-5f;
+    sample->distance *= 1 - 1e-5; /* its near side, too */
+    sample->slack = 3e-5f;
 }
 
 /* A direction in the frame of a light. Between two places that it turns through the frame is squeezed; what the light

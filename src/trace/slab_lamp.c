@@ -190,7 +190,7 @@ float slab_lamp_density(Path *path, const Hit *hit)
     const SlabWay *gone = &path->slab_way;
     uint32_t emitter = emitter_of_hit(&world->emitters, hit);
     bool scattered = gone->scatter_pdf >= 0 || (path->probing.is_probe && !gone->bent);
-    if (!scattered || emitter == EMITTER_NONE) return 0;
+    if (!scattered || emitter == EMITTER_NONE || world->emitters.emitters[emitter].cut) return 0;
     Vec3 from = path->scatter_point, to = ray_point(&path->ray, hit->t), direction;
     LampWay way;
     float often;
@@ -207,8 +207,10 @@ bool slab_lamp_is_looked_at(const Path *photon, uint32_t emitter, const Ray *beg
 {
     LampWay way;
     float often;
+    const World *world = photon->tracer->world;
     uint32_t medium = nest_medium(&photon->tracer->list);
-    return world_lights_through(photon->tracer->world, medium)->near > 0 && emitter != EMITTER_NONE &&
+    return world_lights_through(world, medium)->near > 0 && emitter != EMITTER_NONE &&
+           !world->emitters.emitters[emitter].cut &&
            finds_way(photon, right_beside(place, photon->ray.origin), begin->origin, begin->direction, &way, &often);
 }
 
@@ -404,7 +406,7 @@ void slab_look_at_lamp(Path *path, const LookPlace *from, LightLooks *looks)
 {
     LightSample *light = &looks->lights[0];
     const Vec3 position = from->place->position;
-    if (!(light->pdf_w > 0) || light->glow || !isfinite(light->distance) ||
+    if (!(light->pdf_w > 0) || light->glow || light->slack > 0 || !isfinite(light->distance) ||
         !slabs_are_on_way(&path->tracer->world->slabs, position, light->direction, light->distance))
         return;
     const Vec3 place = place_of(path, position, light);

@@ -50,6 +50,7 @@ static void take_away_opaque(Scene *scene)
 
 static void make_furnace(Scene *scene)
 {
+    scene->environment_hidden = false;
     take_away_opaque(scene);
     scene->n_lights = 0;
     for (uint32_t i = 0; i < scene->n_media; i++) {
