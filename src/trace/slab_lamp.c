@@ -160,9 +160,10 @@ static bool finds_way(const Path *path, Vec3 from, Vec3 to, Vec3f lamp_normal, L
     look.ray.time = path->ray.time;
     double cosine = fabs((double)vec3f_dot(look.ray.direction, lamp_normal));
     look.ray.t_max = light_look_distance(vec3_length(vec3_sub(to, near)), cosine, to);
-    bool found = compiled_interior(world->compiled, vec3f_from(near), look.ray.time, &looker->shadow_hits,
-                                   &looker->list, NULL) == STATUS_OK &&
-                 find_faces(&look, way);
+    bool known = compiled_interior(world->compiled, vec3f_from(near), look.ray.time, &looker->shadow_hits,
+                                   &looker->list, NULL) == STATUS_OK;
+    bool found = known && find_faces(&look, way);
+    looker->out_of_memory |= !known;
     tracer_take_back(path->tracer);
     *often = 1;
     if (!found || !one_pair) return found && steps_of(way) == gone->steps;

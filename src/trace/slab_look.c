@@ -52,19 +52,14 @@ bool slab_keeps_direction(const Path *path)
     return path->slab_way.outside && is_same_direction(path->ray.direction, path->slab_way.direction);
 }
 
-void slab_was_straight(Path *path)
+void slab_leave_scene(Path *path)
 {
     const SlabWay *way = &path->slab_way;
+    if (!slab_keeps_direction(path)) return;
+    path->ray.direction = way->direction;
     path->scatter_pdf = way->scatter_pdf;
     path->from.rarity = way->rarity;
     path->probing.bent = way->bent;
-}
-
-void slab_leave_scene(Path *path)
-{
-    if (!slab_keeps_direction(path)) return;
-    path->ray.direction = path->slab_way.direction;
-    slab_was_straight(path);
 }
 
 /* ---- looks ---- */

@@ -43,8 +43,6 @@ static inline void slab_pass_pane(Path *path)
 bool slab_keeps_direction(const Path *path);
 /* It leaves the scene behind slabs: if as it came to them, that way counts as straight. */
 void slab_leave_scene(Path *path);
-/* What it has found behind slabs counts as if nothing had been in the way. */
-void slab_was_straight(Path *path);
 
 /* As path_shadow, for light from infinity that comes through slabs. The ray is one that path_shadow says is blocked. */
 bool slab_shadow(Path *path, const Ray *ray, Lanes *transmittance);
