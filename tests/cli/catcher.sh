@@ -32,32 +32,7 @@ cmp -s a.png viewed.png || flunk "the EXR file shows another picture"
 sed 's/shadow_catcher = true/shadow_catcher = false/' caught.mns > plain.mns
 run render plain.mns -o plain.png
 exits 0
-cat > pixels.py <<'PYTHON'
-# the pixels of a transparent PNG file of 8 bits
-import struct, zlib
-def pixels(name):
-    data, at, packed = open(name, "rb").read(), 8, b""
-    while at < len(data):
-        n, kind = struct.unpack(">I4s", data[at:at + 8])
-        body = data[at + 8:at + 8 + n]
-        if kind == b"IHDR":
-            width, height, bits, color = struct.unpack(">IIBB", body[:10])
-        packed += body if kind == b"IDAT" else b""
-        at += n + 12
-    assert (bits, color) == (8, 6)
-    raw, before, rows = zlib.decompress(packed), [0] * (width * 4), []
-    for y in range(height):
-        line = list(raw[y * (width * 4 + 1):(y + 1) * (width * 4 + 1)])
-        kind, line = line[0], line[1:]
-        for i in range(len(line)):
-            a, b, c = line[i - 4] if i >= 4 else 0, before[i], before[i - 4] if i >= 4 else 0
-            paeth = min((abs(b - c), 0, a), (abs(a - c), 1, b), (abs(a + b - 2 * c), 2, c))[2]
-            line[i] = (line[i] + [0, a, b, (a + b) // 2, paeth][kind]) & 255
-        before = line
-        rows.append([tuple(line[4 * x:4 * x + 4]) for x in range(width)])
-    return rows
-PYTHON
-"$python" - <<'PYTHON' || flunk "not the pixels that there should be"
+PYTHONPATH=$root/tests/cli "$python" -B - <<'PYTHON' || flunk "not the pixels that there should be"
 from pixels import pixels
 a, plain = pixels("a.png"), pixels("plain.png")
 flat, whole = [p for row in a for p in row], [p for row in plain for p in row]

@@ -32,33 +32,6 @@ exits 0
 end
 
 begin "transparent PNG files: alpha as in the EXR file, colours not multiplied by it; off: over black"
-cat > pixels.py <<'PYTHON'
-# the pixels of a PNG file of 8 bits, as lists of rows of tuples
-import struct, zlib
-def pixels(name):
-    data, at, packed = open(name, "rb").read(), 8, b""
-    while at < len(data):
-        n, kind = struct.unpack(">I4s", data[at:at + 8])
-        body = data[at + 8:at + 8 + n]
-        if kind == b"IHDR":
-            width, height, bits, color = struct.unpack(">IIBB", body[:10])
-        packed += body if kind == b"IDAT" else b""
-        at += n + 12
-    assert bits == 8 and color in (2, 6)
-    size = 4 if color == 6 else 3
-    raw, before, rows = zlib.decompress(packed), [0] * (width * size), []
-    for y in range(height):
-        line = list(raw[y * (width * size + 1):(y + 1) * (width * size + 1)])
-        kind, line = line[0], line[1:]
-        for i in range(len(line)):
-            a, b = (line[i - size] if i >= size else 0), before[i]
-            c = before[i - size] if i >= size else 0
-            paeth = min((abs(b - c), 0, a), (abs(a - c), 1, b), (abs(a + b - 2 * c), 2, c))[2]
-            line[i] = (line[i] + [0, a, b, (a + b) // 2, paeth][kind]) & 255
-        before = line
-        rows.append([tuple(line[size * x:size * x + size]) for x in range(width)])
-    return rows
-PYTHON
 cat > ball.mns <<'SCENE'
 meniscus 1.0 unit cm
 sphere { radius = 1  surface = surface { albedo = 0  emission = .5 } }
@@ -75,7 +48,7 @@ run render ball.mns -o off.png --alpha off
 exits 0
 run view a.exr -o black.png
 exits 0
-"$python" - <<'PYTHON' || flunk "not the pixels that there should be"
+PYTHONPATH=$root/tests/cli "$python" -B - <<'PYTHON' || flunk "not the pixels that there should be"
 from pixels import pixels
 a, viewed, off, black = [pixels(name + ".png") for name in ("a", "viewed", "off", "black")]
 assert a == viewed and off == black
