@@ -68,18 +68,17 @@ studio.top_camera()
 studio.hero_camera()
 lights.softbox()
 lights.strip { power = 3  color = lights.tungsten() }
-lights.softbox { angle = 30 }
+lights.softbox { from = <-700mm, 700mm, 500mm>  angle = 30 }
 lights.laser { wavelength = 633 }
 lights.window()
 lights.lamp { color = lights.candle_light() }
-lights.lamp { color = lights.illuminant_a()  power = 2 }
+lights.lamp { at = <100mm, 900mm, 0>  color = lights.illuminant_a()  power = 2 }
 lights.sparkle { n = 2  color = lights.sodium() }
 lights.three_point { color = lights.sunlight() }
-lights.lamp { color = lights.skylight() }
-for (color in [lights.illuminant_d(5000K), lights.illuminant_d50(), lights.illuminant_d55(), lights.illuminant_d65(),
-  lights.illuminant_e(), lights.illuminant_f2(), lights.illuminant_f7(), lights.illuminant_f11(), lights.illuminant_led_b3()]) {
-  lights.lamp { color = color }
-}
+lights.lamp { at = <200mm, 900mm, 0>  color = lights.skylight() }
+let colors = [lights.illuminant_d(5000K), lights.illuminant_d50(), lights.illuminant_d55(), lights.illuminant_d65(),
+  lights.illuminant_e(), lights.illuminant_f2(), lights.illuminant_f7(), lights.illuminant_f11(), lights.illuminant_led_b3()]
+for (i in 0..<len(colors)) { lights.lamp { at = <i * 100mm, 1200mm, 0>  color = colors[i] } }
 lights.sun()
 param clouded = false
 if (clouded) { lights.overcast() } else { lights.daylight() }
