@@ -84,17 +84,21 @@ static double miss_of(const FlatFace *faces, uint32_t n, Vec3 from, Vec3 to, Vec
     return vec3_dot(left, ray->direction) >= 0 ? vec3_length(*miss) : HUGE_VAL;
 }
 
-/* A start: straight ahead, or where that is reflected totally, steeper towards the first face. */
-static Vec3 first_guess(const FlatFace *faces, uint32_t n, Vec3 from, Vec3 to)
+/* A start: straight ahead, or where that is reflected totally, steeper towards the first face. By how much it misses. */
+static double first_guess(const FlatFace *faces, uint32_t n, Vec3 from, Vec3 to, Vec3 *direction, FlatRay *ray,
+                          Vec3 *miss)
 {
     enum { TRIES = 8 };
-    Vec3 straight = vec3_normalize(vec3_sub(to, from)), direction = straight;
+    const Vec3 straight = vec3_normalize(vec3_sub(to, from));
     Vec3 steep = n ? faces[0].normal : straight;
     if (vec3_dot(steep, straight) < 0) steep = vec3_scale(steep, -1);
-    FlatRay ray;
-    for (int i = 0; i < TRIES && !flat_way_follow(faces, n, from, direction, &ray); i++)
-        direction = vec3_normalize(vec3_along(straight, 0.25 * (1 << i), steep));
-    return direction;
+    *direction = straight;
+    double missed = miss_of(faces, n, from, to, straight, ray, miss);
+    for (int i = 0; i < TRIES && !isfinite(missed); i++) {
+        *direction = vec3_normalize(vec3_along(straight, 0.25 * (1 << i), steep));
+        missed = miss_of(faces, n, from, to, *direction, ray, miss);
+    }
+    return missed;
 }
 
 bool flat_way_find(const FlatFace *faces, uint32_t n, Vec3 from, Vec3 to, Vec3 *direction, FlatRay *ray)
@@ -102,8 +106,7 @@ bool flat_way_find(const FlatFace *faces, uint32_t n, Vec3 from, Vec3 to, Vec3 *
     enum { STEPS = 16, HALVINGS = 8 };
     const double least = 1e-8 * vec3_length(vec3_sub(to, from)), most_turn = 0.5;
     Vec3 miss;
-    *direction = first_guess(faces, n, from, to);
-    double missed = miss_of(faces, n, from, to, *direction, ray, &miss);
+    double missed = first_guess(faces, n, from, to, direction, ray, &miss);
     for (int step = 0; step < STEPS && isfinite(missed); step++) {
         if (missed <= least) return true;
         Vec3 moved[2], axes[2];

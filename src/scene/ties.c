@@ -88,7 +88,7 @@ static Box3 rounded_box(Box3 box)
     return (Box3){vec3_sub(box.min, more), vec3_add(box.max, more)};
 }
 
-/* Planes are found by chance only, and combinations, which have no place of their own, too: nobody looks for them. */
+/* Planes are found by chance only: nobody looks for them. Looks at operands of combinations are blocked by any lamp that is there. */
 static void find_shining(Shining *shining)
 {
     const Scene *scene = shining->scene;

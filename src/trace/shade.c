@@ -560,7 +560,8 @@ bool path_cross_boundary(Path *path, Event *event)
         choose_at_boundary(path, &place, true, eta_i, eta_t, &choice);
     }
     weigh_choice(path, &choice, lanes_uniform(eta_i) && lanes_uniform(eta_t));
-    if (slab_is_face(world, event, &place)) slab_meet_face(path, event, choice.reflected, rarity);
+    const uint64_t face = slab_face_at(world, &event->hit, &place);
+    if (UNLIKELY(face)) slab_meet_face(path, event, face, choice.reflected, rarity);
     path->scatter_pdf = -1;
     path->probing.bent = true;
     path_leave(path, event, &place, !choice.reflected, choice.direction);

@@ -27,8 +27,8 @@ static bool add_face(Path *look, const Ray *ray, const Hit *hit, Lanes eta_i, La
 {
     const World *world = look->tracer->world;
     SurfacePlace place = path_place_of(world, ray, hit);
-    uint64_t number = slabs_face(&world->slabs, hit->object, hit->normal);
-    if (!number || path_is_bent(&place) || way->n == SLAB_FACES) return false;
+    uint64_t number = slab_face_at(world, hit, &place);
+    if (!number || way->n == SLAB_FACES) return false;
     Vec3 normal = vec3_normalize(vec3_from_f(place.geometric));
     way->faces[way->n] = (FlatFace){.normal = normal,
                                     .offset = vec3_dot(normal, place.position),
@@ -126,6 +126,12 @@ static bool parts_colors(const LampWay *way, Vec3 direction, const FlatRay *ray)
 
 /* ---- densities ---- */
 
+/* Whether a surface takes light from that direction; normal: as LightQuery's. */
+static bool is_in_front(Vec3f normal, Vec3f direction)
+{
+    return vec3f_dot(normal, normal) == 0 || vec3f_dot(direction, normal) > 0;
+}
+
 /* Of a light's place that a ray has come to by faces, per steradian of directions from where it began. */
 static float density_at(const World *world, Vec3 from, const LightChoices *choices, Vec3f normal, const Ray *ray,
                         const Hit *hit, const FlatRay *bent)
@@ -137,8 +143,7 @@ static float density_at(const World *world, Vec3 from, const LightChoices *choic
     seen.t = distance;
     seen.cos_normal = vec3_dot(vec3_from_f(hit->normal), to) / distance;
     straight.time = ray->time;
-    bool in_front = vec3f_dot(normal, normal) == 0 || vec3f_dot(straight.direction, normal) > 0;
-    if (!in_front || (seen.cos_normal < 0) != hit->entering) return 0;
+    if (!is_in_front(normal, straight.direction) || (seen.cos_normal < 0) != hit->entering) return 0;
     double pdf_w = (double)light_pdf_hit(world, choices, from, normal, &straight, &seen);
     double spread = flat_ray_spread(bent, place) / (distance * distance);
     return (float)(pdf_w * spread * fabs(seen.cos_normal / hit->cos_normal));
@@ -344,9 +349,8 @@ static bool look_by(LampLook *l, const LampWay *way, Vec3 place, LightSample *li
     FlatRay bent;
     if (!flat_way_find(way->faces, way->n, l->from->place->position, place, &direction, &bent)) return false;
     light->direction = vec3f_from(direction);
-    const Vec3f normal = l->from->normal;
-    bool in_front = vec3f_dot(normal, normal) == 0 || vec3f_dot(light->direction, normal) > 0;
-    if (!in_front || !start(l, light->direction) || !follow_faces(&l->look, way)) return false;
+    if (!is_in_front(l->from->normal, light->direction) || !start(l, light->direction) || !follow_faces(&l->look, way))
+        return false;
     light->arrives = arrives;
     return light->delta ? see_point(l, light, place, &bent, arrives)
                         : see_surface(l, light->emitter, &bent, &light->pdf_w, arrives);
@@ -416,8 +420,7 @@ void slab_look_at_lamp(Path *path, const LookPlace *from, LightLooks *looks)
     look.path = path;
     look.from = from;
     if (!tracer_lend(path->tracer)) return;
-    bool in_front = vec3f_dot(from->normal, from->normal) == 0 || vec3f_dot(light->direction, from->normal) > 0;
-    bool found = in_front && find_way(&look, light, place, &way);
+    bool found = is_in_front(from->normal, light->direction) && find_way(&look, light, place, &way);
     if (!found) light->pdf_w = 0; /* nor is it seen straight */
     if (found && way.n) {
         looks->lights[1] = *light;

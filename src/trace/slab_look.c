@@ -17,7 +17,7 @@ static bool is_as_outside(const Path *path, uint32_t medium)
     return medium == WORLD_MEDIUM || lanes_equal(medium_ior(world, medium, nm), medium_ior(world, WORLD_MEDIUM, nm));
 }
 
-void slab_meet_face(Path *path, const Event *event, bool mirrored, float rarity)
+void slab_meet_face(Path *path, const Event *event, uint64_t face, bool mirrored, float rarity)
 {
     const float parallel = 1 - 1e-6f;
     SlabWay *way = &path->slab_way;
@@ -31,8 +31,7 @@ void slab_meet_face(Path *path, const Event *event, bool mirrored, float rarity)
                          .bent = path->probing.bent};
     }
     way->n_faces++;
-    way->steps =
-        slab_step(way->steps, slabs_face(&path->tracer->world->slabs, event->hit.object, event->hit.normal), mirrored);
+    way->steps = slab_step(way->steps, face, mirrored);
     if (mirrored && !way->n_mirrored++) way->mirror = event->hit.normal;
     if (mirrored) way->to_and_fro &= fabsf(vec3f_dot(way->mirror, event->hit.normal)) > parallel;
     bool goes_on = way->n_faces <= SLAB_FACES && way->n_mirrored <= SLAB_MIRRORED;
@@ -80,12 +79,10 @@ void slab_begin_look(const Path *path, Tracer *looker, int index_lane, Path *loo
 bool slab_look_at_face(Path *look, const Event *event, SlabFace *face)
 {
     face->place = path_place(look, event);
-    if (!slab_is_face(look->tracer->world, event, &face->place)) return false;
-    face->number = slabs_face(&look->tracer->world->slabs, event->hit.object, event->hit.normal);
-    face->eta_i = path_ior(look, event->crossing.medium_from);
-    face->eta_t = path_ior(look, event->crossing.medium_to);
-    face->passes = fresnel_refract(look->ray.direction, face->place.normal, face->eta_i, face->eta_t,
-                                   &face->reflectance, &face->refracted);
+    face->number = slab_face_at(look->tracer->world, &event->hit, &face->place);
+    if (!face->number) return false;
+    face->passes = fresnel_refract(look->ray.direction, face->place.normal, path_ior(look, event->crossing.medium_from),
+                                   path_ior(look, event->crossing.medium_to), &face->reflectance, &face->refracted);
     return true;
 }
 

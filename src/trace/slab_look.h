@@ -26,14 +26,14 @@ static inline bool path_is_in_slabs(const Path *path)
 {
     return UNLIKELY(path->slab_way.bounce == path->bounce);
 }
-/* Whether a boundary is a face of a slab; place: where it is met. */
-static inline bool slab_is_face(const World *world, const Event *event, const SurfacePlace *place)
+/* The number of the slab's face that a boundary is, see slabs_face; 0: it is none. place: where it is met. */
+static inline uint64_t slab_face_at(const World *world, const Hit *hit, const SurfacePlace *place)
 {
-    return UNLIKELY(world->slabs.n) && slabs_face(&world->slabs, event->hit.object, event->hit.normal) &&
-           !path_is_bent(place);
+    if (LIKELY(!world->slabs.n) || path_is_bent(place)) return 0;
+    return slabs_face(&world->slabs, hit->object, hit->normal);
 }
 /* The path is about to be refracted at a face of a slab, or mirrored; rarity: of its airway, in front. */
-void slab_meet_face(Path *path, const Event *event, bool mirrored, float rarity);
+void slab_meet_face(Path *path, const Event *event, uint64_t face, bool mirrored, float rarity);
 /* It has gone straight through a thin pane. */
 static inline void slab_pass_pane(Path *path)
 {
@@ -53,7 +53,7 @@ bool slab_shadow(Path *path, const Ray *ray, Lanes *transmittance);
 typedef struct SlabFace {
     SurfacePlace place;
     uint64_t number; /* see slabs_face */
-    Lanes eta_i, eta_t, reflectance;
+    Lanes reflectance;
     Vec3f refracted;
     bool passes;
 } SlabFace;
