@@ -134,11 +134,10 @@ static double part_of_one(double x)
 /* Of n places of an emitter the mean. */
 static double mean_brightness(const Job *job, unsigned worker, const Emitter *emitter, uint32_t n)
 {
-    const bool moves = job->world->scene->n_keys > 0;
     double sum = 0;
-    for (uint32_t i = 0; i < n; i++) { /* a sequence that covers the square and the shutter's time evenly */
-        double u[2] = {part_of_one(0.5 + 0.81917251339616444 * i), part_of_one(0.5 + 0.67104360670378923 * i)};
-        sum += brightness(job, worker, emitter, moves ? part_of_one(0.54970047790197031 * i) : 0, u);
+    for (uint32_t i = 0; i < n; i++) {
+        double u[2], time = emitter_place_in_turn(job->world->scene, i, u);
+        sum += brightness(job, worker, emitter, time, u);
     }
     return sum / n;
 }

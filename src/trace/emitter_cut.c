@@ -34,19 +34,6 @@ bool emitter_cut_shows(CutAsking *asking, const Emitter *emitter, double time, c
     return nest_csg_shows(&compiled->csg, &asking->list, compiled->hull_of_object[emitter->of]);
 }
 
-/* Point number i of an emitter, of a sequence that covers the square and the shutter's time evenly. */
-static bool ask(CutAsking *asking, const Emitter *emitter, uint32_t i)
-{
-    const double steps[3] = {0.81917251339616444, 0.67104360670378923,
-                             0.54970047790197031}; /* 1 / 1.2207..., its powers */
-    double at[3];
-    for (int k = 0; k < 3; k++) {
-        double x = 0.5 + steps[k] * i;
-        at[k] = x - floor(x);
-    }
-    return emitter_cut_shows(asking, emitter, asking->compiled->scene->n_keys ? at[2] : 0, at);
-}
-
 /* Groups of emitters that stand side by side share their points where there are more emitters than points. */
 static void ask_all(CutAsking *asking, const Emitter *emitters, uint32_t n, uint32_t n_groups, uint32_t of_one,
                     uint32_t *shown)
@@ -55,8 +42,10 @@ static void ask_all(CutAsking *asking, const Emitter *emitters, uint32_t n, uint
         uint32_t begin = (uint32_t)((uint64_t)n * group / n_groups),
                  end = (uint32_t)((uint64_t)n * (group + 1) / n_groups);
         shown[group] = 0;
-        for (uint32_t i = 0; i < of_one; i++)
-            shown[group] += ask(asking, &emitters[(begin + end) / 2], group * of_one + i);
+        for (uint32_t i = 0; i < of_one; i++) {
+            double u[2], time = emitter_place_in_turn(asking->compiled->scene, group * of_one + i, u);
+            shown[group] += emitter_cut_shows(asking, &emitters[(begin + end) / 2], time, u);
+        }
     }
 }
 

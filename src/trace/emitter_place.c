@@ -48,6 +48,19 @@ Vec3 emitter_place(const CompiledScene *compiled, const Emitter *emitter, double
     return affine_point(&to_world, local);
 }
 
+double emitter_place_in_turn(const Scene *scene, uint32_t i, double u[2])
+{
+    /* 1 / 1.2207..., its powers */
+    const double steps[3] = {0.81917251339616444, 0.67104360670378923, 0.54970047790197031};
+    double at[3];
+    for (int k = 0; k < 3; k++) {
+        double x = 0.5 + steps[k] * i;
+        at[k] = x - floor(x);
+    }
+    u[0] = at[0], u[1] = at[1];
+    return scene->n_keys ? at[2] : 0;
+}
+
 void emitter_place_of_hit(const CompiledScene *compiled, const Emitter *emitter, const Ray *ray, const Hit *hit,
                           double u[2])
 {

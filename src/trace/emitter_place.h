@@ -8,6 +8,9 @@
 /* The place of u in [0, 1)^2, uniform in area for uniform u (of a piece: before it is stretched), as light sampling has it; of the hit
  * (NULL: not wanted) the object, the primitive, u, v and the outward normal are set. */
 Vec3 emitter_place(const CompiledScene *compiled, const Emitter *emitter, double time, const double u[2], Hit *hit);
+/* Number i of a sequence that covers the square and the shutter's time evenly: u, and the time, of scenes in which something moves; else
+ * that is 0. */
+double emitter_place_in_turn(const Scene *scene, uint32_t i, double u[2]);
 /* The u of the place where a ray has met the emitter. */
 void emitter_place_of_hit(const CompiledScene *compiled, const Emitter *emitter, const Ray *ray, const Hit *hit,
                           double u[2]);
