@@ -444,6 +444,24 @@ LightPivot light_pivot(const World *world, uint32_t number, double time, double 
     return light_pivot_at(world, number, time, place);
 }
 
+Vec3 light_even_place(const World *world, uint32_t emitter, double time, const float u[2], double *area)
+{
+    const SceneLight *light = &world->scene->lights[world->emitters.emitters[emitter].of];
+    Affine room;
+    const Affine *to_world = light_place(world, light, time, &room);
+    *area = light_is_flat(light) ? light_flat_area(light, to_world) : 0;
+    return light_is_flat(light) ? light_flat_point(light, to_world, u) : to_world->t;
+}
+
+bool light_shines_at(const World *world, uint32_t emitter, double time, Vec3 place, Vec3 point)
+{
+    const SceneLight *light = &world->scene->lights[world->emitters.emitters[emitter].of];
+    Affine room;
+    const Affine *to_world = light_place(world, light, time, &room);
+    Vec3 local = vec3_normalize(affine_normal(to_world, vec3_sub(point, place))); /* the transpose inverts a rotation */
+    return light_shape(light, local) > 0;
+}
+
 bool light_reach(const World *world, uint32_t number, double time, Vec3 origin, Vec3f direction, double *begin,
                  double *end)
 {

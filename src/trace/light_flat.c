@@ -35,6 +35,12 @@ Vec3 light_flat_point(const SceneLight *light, const Affine *to_world, const flo
     return affine_point(to_world, local_point(light, u));
 }
 
+double light_flat_area(const SceneLight *light, const Affine *to_world)
+{
+    Vec3 normal;
+    return find_area(light, to_world, &normal);
+}
+
 double light_flat_extent(const SceneLight *light)
 {
     Vec3 normal;

@@ -7,6 +7,7 @@
 
 /* A point on it, uniform in area. */
 Vec3 light_flat_point(const SceneLight *light, const Affine *to_world, const float u[2]);
+double light_flat_area(const SceneLight *light, const Affine *to_world);
 /* Its area times the projected solid angle of the cone that it shines into; one that moves as it is at rest. */
 double light_flat_extent(const SceneLight *light);
 /* A line along which it shines, uniform in its area and in the projected solid angle of its cone. */

@@ -30,6 +30,7 @@ enum {
     DIM_AIRLIGHT = 0x60000000, /* of looks for light within media, see airlight.c */
     DIM_SHAFTS = 0x68000000,   /* of looks for it where photons were scattered, see shaft.c */
     DIM_PROBES = 0x70000000,   /* 2 for each bounce: the direction of a probe, see probe.c */
+    DIM_BEAMS = 0x78000000,    /* 3 for each bounce: a place on a lamp, and which, see slab_lamp.c */
 
     DIM_LOBE = 0,     /* 1: reflect or refract */
     DIM_SCATTER,      /* 2: direction; and a third, of the lobe */

@@ -41,9 +41,9 @@ typedef struct LookPlace {
     Vec3f normal; /* as LightQuery's */
 } LookPlace;
 typedef struct LightLooks {
-    LightSample lights[2];
+    LightSample lights[4];
     uint32_t n;
-    Lanes arrives[2]; /* what lights[i].arrives is, where it is any */
+    Lanes arrives[4]; /* what lights[i].arrives is, where it is any */
 } LightLooks;
 void path_look_at_light(Path *path, const LookPlace *from, LightLooks *looks);
 /* As path_shadow; of light from infinity (t_max) what comes through bodies with parallel faces, too: see slab_look.h. */

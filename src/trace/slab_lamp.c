@@ -5,12 +5,15 @@
 #include "optics/flat_way.h"
 #include "optics/fresnel.h"
 #include "optics/sampling.h"
+#include "trace/beams.h"
 #include "trace/probe.h"
 
 /* A way by more faces than these is not looked for to and fro. */
 enum { MOST_PAIRED = 8 };
 /* How often light to and fro is looked for: it is a part of R^2, a 500th, of what comes straight. */
 static const float looked_again = 0.125f;
+/* How often one is sent past what is opaque in its straight way. */
+static const float looked_past = 0.125f;
 
 /* The faces of a way from a place to a lamp. */
 typedef struct LampWay {
@@ -18,6 +21,7 @@ typedef struct LampWay {
     uint64_t numbers[SLAB_FACES]; /* see slabs_face */
     uint32_t n;
     bool disperses; /* the indices of some change with the wavelength */
+    bool past;      /* something opaque stands in the straight way */
 } LampWay;
 
 /* ---- the faces ---- */
@@ -55,19 +59,44 @@ static bool cross_straight(Path *look, const Ray *ray, const Hit *hits, size_t n
     return add_face(look, ray, path_boundary_hit(tracer, &tracer->next, hits, n, &crossing), eta_i, eta_t, way);
 }
 
-/* The faces on the look's ray, which ends at a light; false: something is in the way that no look goes through. */
-static bool find_faces(Path *look, LampWay *way)
+static bool has_slab(const World *world, const Hit *hits, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        if (world->slabs.of_object[hits[i].object] != SCENE_NONE) return true;
+    return false;
+}
+
+/* The faces on the look's ray, which ends at a light; false: something is in the way that no look goes through, and *blocked: it is
+ * opaque. past: only flat bodies count. */
+static bool find_faces(Path *look, bool past, LampWay *way, bool *blocked)
 {
     Tracer *tracer = look->tracer;
     const HitList *all = &tracer->shadow_hits;
     way->n = 0;
-    way->disperses = false;
+    way->disperses = way->past = false;
     tracer->counters.rays++;
-    if (!rtc_all(tracer->world->compiled->rtc, &look->ray, true, &tracer->shadow_hits)) return false;
-    for (size_t i = 0, n; i < all->n; i += n) {
+    *blocked = !rtc_all(tracer->world->compiled->rtc, &look->ray, !past, &tracer->shadow_hits);
+    for (size_t i = 0, n; i < all->n && !*blocked; i += n) {
         n = rtc_cluster(all->items + i, all->n - i);
+        if (past && !has_slab(tracer->world, all->items + i, n)) continue;
         if (!cross_straight(look, &look->ray, all->items + i, n, way)) return false;
     }
+    return !*blocked;
+}
+
+/* The same past what stands in the straight way, as the light's own may well be free: always to a lamp that is not found otherwise,
+ * and to others where light is bent much, by the part of the looks that *often becomes. u: in [0, 1). */
+static bool find_faces_past(Path *look, bool delta, float u, LampWay *way, float *often)
+{
+    const World *world = look->tracer->world;
+    bool blocked;
+    *often = 1;
+    if (find_faces(look, delta, way, &blocked)) return true;
+    if (!blocked || !compiled_indices_differ(world->scene, nest_medium(&look->tracer->list), WORLD_MEDIUM))
+        return false;
+    *often = looked_past;
+    if (u >= looked_past || !find_faces(look, true, way, &blocked)) return false;
+    way->past = true;
     return true;
 }
 
@@ -132,21 +161,39 @@ static bool is_in_front(Vec3f normal, Vec3f direction)
     return vec3f_dot(normal, normal) == 0 || vec3f_dot(direction, normal) > 0;
 }
 
-/* Of a light's place that a ray has come to by faces, per steradian of directions from where it began. */
-static float density_at(const World *world, Vec3 from, const LightChoices *choices, Vec3f normal, const Ray *ray,
-                        const Hit *hit, const FlatRay *bent)
+/* Where looks begin. */
+typedef struct LampBegin {
+    Vec3 from;
+    Vec3f normal; /* as LightQuery's */
+    const LightChoices *choices;
+} LampBegin;
+
+/* Of a lamp's place that a ray has come to by faces, per steradian of directions from where it began: by looks that choose it
+ * straight. */
+static float straight_density(const World *world, const LampBegin *begin, const Ray *ray, const Hit *hit,
+                              const FlatRay *bent)
 {
-    Vec3 place = ray_point(ray, hit->t), to = vec3_sub(place, from);
+    const Vec3 from = begin->from, place = ray_point(ray, hit->t), to = vec3_sub(place, from);
     double distance = vec3_length(to);
     Ray straight = ray_make(from, vec3f_from(vec3_scale(to, 1 / distance)));
     Hit seen = *hit;
     seen.t = distance;
     seen.cos_normal = vec3_dot(vec3_from_f(hit->normal), to) / distance;
     straight.time = ray->time;
-    if (!is_in_front(normal, straight.direction) || (seen.cos_normal < 0) != hit->entering) return 0;
-    double pdf_w = (double)light_pdf_hit(world, choices, from, normal, &straight, &seen);
+    if (!is_in_front(begin->normal, straight.direction) || (seen.cos_normal < 0) != hit->entering) return 0;
+    double pdf_w = (double)light_pdf_hit(world, begin->choices, from, begin->normal, &straight, &seen);
     double spread = flat_ray_spread(bent, place) / (distance * distance);
     return (float)(pdf_w * spread * fabs(seen.cos_normal / hit->cos_normal));
+}
+
+/* The same by looks at beams. */
+static float beam_density(const World *world, const LampBegin *begin, const Ray *ray, const Hit *hit,
+                          const FlatRay *bent)
+{
+    uint32_t emitter = emitter_of_hit(&world->emitters, hit);
+    if (!(begin->choices->near > 0) || !beams_have(world, emitter)) return 0;
+    double spread = flat_ray_spread(bent, ray_point(ray, hit->t));
+    return (float)(beams_density(world, emitter, ray->time) * spread / fabs(hit->cos_normal));
 }
 
 /* The faces by which a look towards a lamp would find a way through slabs that was gone, and how often; false: it would not. from: on
@@ -167,14 +214,13 @@ static bool finds_way(const Path *path, Vec3 from, Vec3 to, Vec3f lamp_normal, L
     look.ray.t_max = light_look_distance(vec3_length(vec3_sub(to, near)), cosine, to);
     bool known = compiled_interior(world->compiled, vec3f_from(near), look.ray.time, &looker->shadow_hits,
                                    &looker->list, NULL) == STATUS_OK;
-    bool found = known && find_faces(&look, way);
+    bool found = known && find_faces_past(&look, false, 0, way, often);
     looker->out_of_memory |= !known;
     tracer_take_back(path->tracer);
-    *often = 1;
     if (!found || !one_pair) return found && steps_of(way) == gone->steps;
     const LampWay straight = *way;
     uint32_t n_pairs = count_pairs(&straight);
-    *often = looked_again / (float)n_pairs;
+    *often *= looked_again / (float)n_pairs;
     for (uint32_t pair = 0; pair < n_pairs; pair++) {
         go_to_and_fro(&straight, pair, way);
         if (steps_of(way) == gone->steps) return true;
@@ -206,7 +252,9 @@ float slab_lamp_density(Path *path, const Hit *hit)
         vec3_length(vec3_sub(direction, vec3_from_f(gone->direction))) > same ||
         (path->index_lane < 0 && parts_colors(&way, direction, &bent)))
         return 0;
-    return often * density_at(world, from, path->scatter_lights, path->scatter_normal, &path->ray, hit, &bent);
+    const LampBegin begin = {from, path->scatter_normal, path->scatter_lights};
+    float straight = straight_density(world, &begin, &path->ray, hit, &bent);
+    return often * (straight > 0 ? straight : beam_density(world, &begin, &path->ray, hit, &bent));
 }
 
 bool slab_lamp_is_looked_at(const Path *photon, uint32_t emitter, const Ray *begin, Vec3 place)
@@ -217,7 +265,8 @@ bool slab_lamp_is_looked_at(const Path *photon, uint32_t emitter, const Ray *beg
     uint32_t medium = nest_medium(&photon->tracer->list);
     return world_lights_through(world, medium)->near > 0 && emitter != EMITTER_NONE &&
            !world->emitters.emitters[emitter].cut &&
-           finds_way(photon, right_beside(place, photon->ray.origin), begin->origin, begin->direction, &way, &often);
+           finds_way(photon, right_beside(place, photon->ray.origin), begin->origin, begin->direction, &way, &often) &&
+           !way.past;
 }
 
 float slab_weigh_lamp(Path *path, const Hit *hit, float radiance)
@@ -243,6 +292,8 @@ typedef struct LampLook {
     const LookPlace *from;
     Path look;
     int index_lane;
+    float often;  /* such a look is sent at all */
+    bool at_beam; /* counts where no look that goes straight chooses the place */
 } LampLook;
 
 /* False when memory ends. */
@@ -316,8 +367,10 @@ static bool see_surface(const LampLook *l, uint32_t emitter, const FlatRay *bent
     if (!follow_to_surface(&look, emitter, &event) ||
         !light_radiance_hit(world, &look.ray, &event.hit, look.wavelengths.nm, &radiance))
         return false;
-    *pdf_w =
-        density_at(world, l->from->place->position, l->from->choices, l->from->normal, &look.ray, &event.hit, bent);
+    const LampBegin begin = {l->from->place->position, l->from->normal, l->from->choices};
+    *pdf_w = straight_density(world, &begin, &look.ray, &event.hit, bent);
+    if (l->at_beam) *pdf_w = *pdf_w > 0 ? 0 : beam_density(world, &begin, &look.ray, &event.hit, bent);
+    *pdf_w *= l->often;
     uint32_t medium = nest_medium(&look.tracer->list);
     *arrives = lanes_mul(look.beta, path_basic_radiance(world, radiance, medium, look.wavelengths.nm));
     return *pdf_w > 0;
@@ -362,7 +415,8 @@ static bool find_straight(LampLook *l, const LightSample *light, LampWay *way)
     l->look.ray.t_max = light->distance;
     l->look.ray.target = light->object;
     l->look.ray.target_primitive = light->primitive;
-    return find_faces(&l->look, way);
+    float u = sampler_1d(&l->path->sampler, sampler_dimension(l->look.bounce, DIM_ROULETTE));
+    return find_faces_past(&l->look, light->delta, u, way, &l->often);
 }
 
 /* The faces up to the light. Where each wavelength would come another way, and the path does not know yet by whose indices it goes,
@@ -407,7 +461,7 @@ static Vec3 place_of(const Path *path, Vec3 from, const LightSample *light)
     return vec3_along(from, light->distance, vec3_from_f(light->direction));
 }
 
-void slab_look_at_lamp(Path *path, const LookPlace *from, LightLooks *looks)
+static void look_straight(Path *path, const LookPlace *from, LightLooks *looks)
 {
     LightSample *light = &looks->lights[0];
     const Vec3 position = from->place->position;
@@ -419,6 +473,7 @@ void slab_look_at_lamp(Path *path, const LookPlace *from, LightLooks *looks)
     LampWay way;
     look.path = path;
     look.from = from;
+    look.at_beam = false;
     if (!tracer_lend(path->tracer)) return;
     bool found = is_in_front(from->normal, light->direction) && find_way(&look, light, place, &way);
     if (!found) light->pdf_w = 0; /* nor is it seen straight */
@@ -428,4 +483,50 @@ void slab_look_at_lamp(Path *path, const LookPlace *from, LightLooks *looks)
         look_again(&look, &way, place, looks);
     }
     tracer_take_back(path->tracer);
+}
+
+/* What comes from one of the beams to where it does not shine straight. */
+static void look_at_beam(Path *path, const LookPlace *from, LightLooks *looks)
+{
+    const World *world = path->tracer->world;
+    const Vec3 position = from->place->position;
+    LightSample *light = &looks->lights[looks->n];
+    float u[2];
+    double area;
+    Vec3 place;
+    uint32_t digits = sampler_3d(&path->sampler, DIM_BEAMS + 3 * path->bounce, u);
+    uint32_t emitter = beams_sample(world, path->ray.time, digits, u, &place, &area);
+    Vec3 to = vec3_sub(place, position);
+    double distance = vec3_length(to);
+    Vec3f direction = vec3f_from(vec3_scale(to, 1 / distance));
+    if (!slabs_are_on_way(&world->slabs, position, direction, distance) || !is_in_front(from->normal, direction) ||
+        (light_shines_at(world, emitter, path->ray.time, place, position) &&
+         light_choice(world, from->choices, emitter, position, from->normal) > 0)) /* it is chosen straight */
+        return;
+    *light = (LightSample){.direction = direction,
+                           .distance = light_look_distance(distance, 1, place),
+                           .object = RTC_NO_OBJECT,
+                           .primitive = RTC_NO_OBJECT,
+                           .emitter = emitter,
+                           .delta = !(area > 0),
+                           .pdf_w = (float)beams_density(world, emitter, path->ray.time)};
+    LampLook look; /* set field by field: most of it is set later */
+    LampWay way;
+    look.path = path;
+    look.from = from;
+    look.at_beam = true;
+    if (!tracer_lend(path->tracer)) return;
+    if (find_way(&look, light, place, &way) && way.n > 0) {
+        const LightSample again = *light;
+        looks->n += look_by(&look, &way, place, light, &looks->arrives[looks->n]);
+        looks->lights[looks->n] = again;
+        look_again(&look, &way, place, looks);
+    }
+    tracer_take_back(path->tracer);
+}
+
+void slab_look_at_lamp(Path *path, const LookPlace *from, LightLooks *looks)
+{
+    look_straight(path, from, looks);
+    if (UNLIKELY(path->tracer->world->n_beams) && from->choices->near > 0) look_at_beam(path, from, looks);
 }

@@ -5,8 +5,10 @@
  * direction it has the density of the straight look, times how much faster the lamp's place moves as the bent direction is turned
  * than as the straight one is. A path that is scattered in that direction, and comes to the lamp by the same faces, knows that
  * density as well, by looking from its beginning for what it has found; so both are weighed as where nothing is in the way. Light that
- * goes to and fro once between two parallel faces is looked for likewise, by a part of the looks. All else, what is mirrored
- * otherwise or where the straight line is blocked, is found as it was before.
+ * goes to and fro once between two parallel faces is looked for likewise, by a part of the looks. What is opaque in the straight
+ * line does not hide a lamp whose light comes beside it: lamps without size are looked for past it always, others by a part of the
+ * looks, where the index is another than outside. Spots and the like are tried where they do not shine straight, too (beams.h). All
+ * else, what is mirrored otherwise, or where something curved is in the straight line, is found as it was before.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_SLAB_LAMP_H
 #define MEN_SLAB_LAMP_H

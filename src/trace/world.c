@@ -1,5 +1,6 @@
 /* world.c - which lights there are, how often each is tried, and what surrounds the camera.
  * SPDX-License-Identifier: Apache-2.0 */
+#include "trace/beams.h"
 #include "trace/world.h"
 
 #include <stdlib.h>
@@ -239,6 +240,7 @@ static Status init_lights(World *world, Pool *pool, Error *error)
     TRY(ties_find_yielding(world->scene, &world->yields, error));
     for (unsigned reach = 0; reach < REACHES; reach++) TRY(choose_lights(world, reach, error));
     TRY(slabs_find(world->compiled, &world->slabs, error));
+    TRY(beams_find(world, error));
     TRY(light_reach_find(world, error));
     TRY(find_portals(world, error));
     for (unsigned reach = 0; reach < REACHES; reach++)
@@ -337,6 +339,7 @@ void world_clear(World *world)
     free(world->portals);
     media_clear(&world->media);
     slabs_clear(&world->slabs);
+    free(world->beams);
     balances_free(world->balances);
     lens_free(world->lens);
     wavelength_lines_free(world->lines);

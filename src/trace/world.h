@@ -76,6 +76,7 @@ typedef struct World {
     WorldMedia media;
     Beacons beacons;
     Slabs slabs;                 /* where light from infinity is looked for */
+    uint32_t *beams, n_beams;    /* emitters, see beams.h */
     Balances *balances;          /* of surfaces; grows while rendering, by itself in order */
     struct World *bare;          /* NULL, or that of lights and shadow catchers alone, see catcher.h. Not owned */
     CompiledScene *own_compiled; /* of such a world; NULL: this is none */

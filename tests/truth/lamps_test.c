@@ -19,19 +19,26 @@
 
 /* ---- closed forms ---- */
 
-/* A point above a plate of glass, aside of the place. The angle outside is that whose layers' offsets add up to the distance aside;
- * a steradian there is spread over s ds / (sin da) of a level plane, cos(angle) of that across. What goes to and fro in the plate once is
- * the same for a plate three times as thick. */
-static double point_through_plate(double aside, double above, double thickness, double ior)
+/* The angle outside a plate of glass of a way of light whose layers' offsets add up to a distance aside. */
+static double angle_outside(double aside, double air, double glass, double ior)
+{
+    double low = 0, high = TRUTH_PI / 2;
+    for (int i = 0; i < 200; i++) {
+        double angle = 0.5 * (low + high), inside = asin(sin(angle) / ior);
+        *(air * tan(angle) + glass * tan(inside) < aside ? &low : &high) = angle;
+    }
+    return low;
+}
+
+/* A point above a plate of glass, aside of the place. A steradian outside is spread over s ds / (sin da) of a level plane, cos(angle) of
+ * that across. What goes to and fro in the plate once is the same for a plate three times as thick; n: so often at most. */
+static double point_through_plate(double aside, double above, double thickness, double ior, int n)
 {
     double sum = 0;
-    for (int again = 0; again < 2; again++) {
-        double glass = thickness * (1 + 2 * again), air = above - thickness, low = 0, high = TRUTH_PI / 2;
-        for (int i = 0; i < 200; i++) {
-            double angle = 0.5 * (low + high), inside = asin(sin(angle) / ior);
-            *(air * tan(angle) + glass * tan(inside) < aside ? &low : &high) = angle;
-        }
-        double cosine = cos(low), inside = sqrt(1 - pow(sin(low) / ior, 2));
+    for (int again = 0; again <= n; again++) {
+        double glass = thickness * (1 + 2 * again), air = above - thickness,
+               angle = angle_outside(aside, air, glass, ior);
+        double cosine = cos(angle), inside = sqrt(1 - pow(sin(angle) / ior, 2));
         double around = air / cosine + glass / (ior * inside);
         double along = air / (cosine * cosine) + glass * cosine / (ior * pow(inside, 3));
         double r = truth_fresnel(cosine, 1, ior);
@@ -54,7 +61,31 @@ static void points(void **state)
         RenderSettings looking = truth_small(4096);
         looking.caustics = CAUSTICS_OFF;
         /* cos(angle) of the floor is in the spread already */
-        truth_expect(what, 0.00001 / TRUTH_PI * 2e7 * point_through_plate(asides[i], 40, 10, 1.5),
+        truth_expect(what, 0.00001 / TRUTH_PI * 2e7 * point_through_plate(asides[i], 40, 10, 1.5, 1),
+                     truth_measure_as(text, NULL, &looking), 4, 0.001);
+    }
+}
+
+/* Spots, whose cones hold the way by the plate alone; straight towards the place they are dark. */
+static void beams(void **state)
+{
+    (void)state;
+    static const double asides[] = {15, 30, 60};
+    for (size_t i = 0; i < COUNT_OF(asides); i++) {
+        double aside = asides[i], angle = angle_outside(aside, 30, 10, 1.5), straight = atan(aside / 40);
+        char text[2000], what[80];
+        snprintf(text, sizeof text,
+                 DARK "light { shape = spot  from = <%.17g, 40, 0>  to = <%.17g, 0, 0>  intensity = 20  angle = %.17g"
+                      "  blend = 0 }\n"
+                      "light { shape = spot  from = <0, 50, 0>  to = <9, 90, 0>  intensity = 20 }\n" /* elsewhere */
+                      "box { from = <-900, 20, -900>  to = <900, 30, 900>  interior = glass }\n"
+                      "box { from = <%.17g, %.17g, -1>  to = <%.17g, 10.5, 1>  surface = surface { albedo = 0 } }\n",
+                 aside, aside - 40 * tan(angle), (angle - straight) * 180 / TRUTH_PI, 10 * tan(straight),
+                 5 + 5 * tan(straight) / tan(angle), 10 * tan(straight) + 0.05); /* a card in the straight way alone */
+        snprintf(what, sizeof what, "a spot %g aside, through a plate", aside);
+        RenderSettings looking = truth_small(4096);
+        looking.caustics = CAUSTICS_OFF;
+        truth_expect(what, 0.00001 / TRUTH_PI * 2e7 * point_through_plate(aside, 40, 10, 1.5, 0),
                      truth_measure_as(text, NULL, &looking), 4, 0.001);
     }
 }
@@ -157,6 +188,15 @@ static void as_by_chance(void **state)
          "light { shape = disc  from = <5, 24, 0>  to = <0, 0, 0>  radius = 9  angle = 60deg  radiance = 2 }\n"
          "box { from = <-30, -1, -30>  to = <30, 12, 30>  interior = water }",
          false},
+        {"disc into a narrow cone, a block aslant, beside the cone",
+         "light { shape = disc  from = <4, 34, 0>  to = <4, 0, 0>  radius = 6  angle = 30deg  radiance = 4 }\n"
+         "box { from = <-30, 0, -30>  to = <30, 12, 30>  rotate(<0, 0, 40>)  translate(<0, 12, 0>)  interior = glass }",
+         true},
+        {"quad, water, hidden in the straight way",
+         "light { from = <30, 40, 0>  to = <0, 0, 0>  size = <6, 6>  radiance = 40 }\n"
+         "box { from = <-50, -1, -50>  to = <50, 18, 50>  interior = water }\n"
+         "box { from = <10.5, 6, -9>  to = <10.6, 14, 9>  surface = surface { albedo = .2 } }",
+         true},
         {"shining box, a pane",
          "box { from = <0, 20, 0>  to = <8, 28, 6>  rotate(<10, 20, 30>)  surface = surface { albedo = .5  emission = "
          "1  radiance = 4 } }\n"
@@ -180,6 +220,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(points),
+        cmocka_unit_test(beams),
         cmocka_unit_test(under_water),
         cmocka_unit_test(as_by_chance),
     };

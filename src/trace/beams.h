@@ -1,0 +1,24 @@
+/* beams.h - lamps of which looks that go straight choose nothing from places that they light by a bent way.
+ *
+ * Outside of a spot's cone there is nothing to be chosen of it, nor below the horizon of a surface. But through a pane that is
+ * tilted, or into still water, light comes to such places; a point is never found by chance, and what is flat and shines into a
+ * narrow cone hardly ever. Looks through flat faces (slab_lamp.h) try one of these, too, and count where no straight look would
+ * have chosen the place that they find.
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef MEN_BEAMS_H
+#define MEN_BEAMS_H
+
+#include "trace/light.h"
+
+/* Sets world->beams: lamps without size, and those that are flat and shine into a cone, which may come straight to a slab. World's
+ * lights and slabs are to be known. STATUS_NOMEM. */
+ATTR_NODISCARD Status beams_find(World *world, Error *error);
+/* Whether an emitter is one of these. */
+bool beams_have(const World *world, uint32_t emitter);
+/* One of them, of which there are some, and a place on it, each as likely as another; its area, and 0 of what has no size.
+ * digits: 32 of a number in [0, 1), u: in [0, 1). */
+uint32_t beams_sample(const World *world, double time, uint32_t digits, const float u[2], Vec3 *place, double *area);
+/* The density of that per area of the lamp, the choice included; of what has no size, of the choice alone. */
+double beams_density(const World *world, uint32_t emitter, double time);
+
+#endif
