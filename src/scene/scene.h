@@ -394,6 +394,18 @@ static inline const Affine *scene_keys(const Scene *scene, const SceneObject *ob
 {
     return scene_motion(scene, object->motion);
 }
+/* Where a thing with these keys (NULL: it stands still) is at a time 0..1 of the shutter; room is for one that moves. */
+static inline const Affine *scene_place_at(const Scene *scene, const Affine *keys, const Affine *still, double time,
+                                           Affine *room)
+{
+    if (!keys) return still;
+    *room = affine_between(keys, scene->n_keys, time);
+    return room;
+}
+static inline const Affine *scene_object_place(const Scene *scene, const SceneObject *object, double time, Affine *room)
+{
+    return scene_place_at(scene, scene_keys(scene, object), &object->to_world, time, room);
+}
 /* Where a moving light is at the times of the scene's keys; NULL for one that stands still. */
 const Affine *light_keys(const Scene *scene, const SceneLight *light);
 /* The camera at a time 0..1 of the shutter. */

@@ -2,50 +2,41 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "trace/emitter_place.h"
 
-static const Piece *piece_of(const Scene *scene, const Emitter *emitter)
-{
-    return &scene->shapes[scene->objects[emitter->of].shape].solid->pieces[emitter->part];
-}
-
-static Affine to_world_at(const Scene *scene, const Emitter *emitter, double time)
-{
-    const SceneObject *object = &scene->objects[emitter->of];
-    const Affine *keys = scene_keys(scene, object);
-    return keys ? affine_between(keys, scene->n_keys, time) : object->to_world;
-}
-
-static Vec3 place_on_triangle(const CompiledScene *compiled, const Emitter *emitter, double time, const double u[2],
-                              Hit *hit)
+Vec3 emitter_place_on_triangle(const CompiledScene *compiled, const Emitter *emitter, double time, const double u[2],
+                               Vec3 *across)
 {
     Vec3 corner[3];
     rtc_triangle(compiled->rtc, emitter->of, emitter->part, time, corner);
     Vec3 a = vec3_sub(corner[1], corner[0]), b = vec3_sub(corner[2], corner[0]);
     double root = sqrt(u[0]);
-    if (hit) {
-        Vec3 across = vec3_cross(a, b);
-        hit->u = (float)(root * (1 - u[1]));
-        hit->v = (float)(root * u[1]);
-        hit->normal = vec3f_from(vec3_scale(across, 1 / fmax(vec3_length(across), 1e-300)));
-    }
+    *across = vec3_cross(a, b);
     return vec3_along(vec3_along(corner[0], root * (1 - u[1]), a), root * u[1], b);
+}
+
+/* across may be NULL. */
+static Vec3 place_on_piece(const Scene *scene, const Emitter *emitter, double time, const double u[2], Vec3 *across)
+{
+    Affine room;
+    const Affine *to_world = scene_object_place(scene, &scene->objects[emitter->of], time, &room);
+    Vec3 normal, local = piece_sample(emitter_piece(scene, emitter), u[0], u[1], &normal);
+    if (across) *across = vec3_scale(affine_area(to_world, normal), affine_determinant(to_world) < 0 ? -1 : 1);
+    return affine_point(to_world, local);
 }
 
 Vec3 emitter_place(const CompiledScene *compiled, const Emitter *emitter, double time, const double u[2], Hit *hit)
 {
+    bool triangle = emitter->kind == EMITTER_TRIANGLE;
+    Vec3 across = {0}, place = triangle ? emitter_place_on_triangle(compiled, emitter, time, u, &across)
+                                        : place_on_piece(compiled->scene, emitter, time, u, hit ? &across : NULL);
     if (hit) {
+        double root = triangle ? sqrt(u[0]) : 0;
         hit->object = emitter->of;
         hit->primitive = emitter->part;
+        hit->u = (float)(root * (1 - u[1]));
+        hit->v = (float)(root * u[1]);
+        hit->normal = vec3f_from(vec3_scale(across, 1 / fmax(vec3_length(across), 1e-300)));
     }
-    if (emitter->kind == EMITTER_TRIANGLE) return place_on_triangle(compiled, emitter, time, u, hit);
-    Affine to_world = to_world_at(compiled->scene, emitter, time);
-    Vec3 normal, local = piece_sample(piece_of(compiled->scene, emitter), u[0], u[1], &normal);
-    if (hit) {
-        Vec3 across = affine_area(&to_world, normal);
-        double sign = affine_determinant(&to_world) < 0 ? -1 : 1;
-        hit->u = hit->v = 0;
-        hit->normal = vec3f_from(vec3_scale(across, sign / vec3_length(across)));
-    }
-    return affine_point(&to_world, local);
+    return place;
 }
 
 double emitter_place_in_turn(const Scene *scene, uint32_t i, double u[2])
@@ -72,5 +63,5 @@ void emitter_place_of_hit(const CompiledScene *compiled, const Emitter *emitter,
     }
     RtcCoordinates at;
     rtc_coordinates(compiled->rtc, ray, hit, false, &at);
-    piece_find(piece_of(compiled->scene, emitter), at.local, u);
+    piece_find(emitter_piece(compiled->scene, emitter), at.local, u);
 }

@@ -4,25 +4,13 @@
 
 #include "optics/sampling.h"
 #include "trace/emitter_cells.h"
+#include "trace/emitter_place.h"
 #include "trace/light_flat.h"
 #include "trace/texture_view.h"
 
-/* Where a thing with these keys is at a time of the shutter; room is for one that moves. */
-static const Affine *place_at(const World *world, const Affine *keys, const Affine *still, double time, Affine *room)
-{
-    if (!keys) return still;
-    *room = affine_between(keys, world->scene->n_keys, time);
-    return room;
-}
-
 static const Affine *light_place(const World *world, const SceneLight *light, double time, Affine *room)
 {
-    return place_at(world, light_keys(world->scene, light), &light->to_world, time, room);
-}
-
-static const Affine *object_place(const World *world, const SceneObject *object, double time, Affine *room)
-{
-    return place_at(world, scene_keys(world->scene, object), &object->to_world, time, room);
+    return scene_place_at(world->scene, light_keys(world->scene, light), &light->to_world, time, room);
 }
 
 /* 1 - cos of the half angle under which a sphere is seen whose centre is `to` away; precise for far and small ones. 2
@@ -94,17 +82,6 @@ static void aim_at_cut(const Emitter *emitter, Vec3 to, Vec3 across, double coor
     sample->slack = (float)((2 * distance + beyond) / sample->distance - 2) + 1e-6f;
 }
 
-/* Uniform in area; across: the normal there, twice as long as the area. */
-static Vec3 triangle_point(const World *world, const Emitter *emitter, double time, const float u[2], Vec3 *across)
-{
-    Vec3 corner[3];
-    rtc_triangle(world->compiled->rtc, emitter->of, emitter->part, time, corner);
-    Vec3 a = vec3_sub(corner[1], corner[0]), b = vec3_sub(corner[2], corner[0]);
-    double root = sqrt((double)u[0]);
-    *across = vec3_cross(a, b);
-    return vec3_along(vec3_along(corner[0], root * (1 - (double)u[1]), a), root * (double)u[1], b);
-}
-
 /* Of a triangle's corners, and of the place that it is looked at from. */
 static double largest_coordinate(const World *world, const Emitter *emitter, const LightQuery *query)
 {
@@ -117,7 +94,8 @@ static double largest_coordinate(const World *world, const Emitter *emitter, con
 
 static void sample_triangle(const World *world, const Emitter *emitter, const LightQuery *query, LightSample *sample)
 {
-    Vec3 across, place = triangle_point(world, emitter, query->time, query->u, &across);
+    const double u[2] = {(double)query->u[0], (double)query->u[1]};
+    Vec3 across, place = emitter_place_on_triangle(world->compiled, emitter, query->time, u, &across);
     double length = vec3_length(across), sign = UNLIKELY(emitter->inward) ? -1 : 1;
     bool two_sided = !world->scene->shapes[world->scene->objects[emitter->of].shape].closed;
     sample_place(query->from, place, vec3_scale(across, sign / length), two_sided, 0.5 * length, sample);
@@ -127,18 +105,13 @@ static void sample_triangle(const World *world, const Emitter *emitter, const Li
         aim_at_cut(emitter, vec3_sub(place, query->from), across, largest_coordinate(world, emitter, query), sample);
 }
 
-static const Piece *piece_of(const World *world, const SceneObject *object, uint32_t number)
-{
-    return &world->scene->shapes[object->shape].solid->pieces[number];
-}
-
 /* Uniform in the piece's own area, which an uneven map makes uneven. */
 static void sample_piece(const World *world, const Emitter *emitter, const LightQuery *query, LightSample *sample)
 {
-    const SceneObject *object = &world->scene->objects[emitter->of];
-    const Piece *piece = piece_of(world, object, emitter->part);
+    const Scene *scene = world->scene;
+    const Piece *piece = emitter_piece(scene, emitter);
     Affine room;
-    const Affine *to_world = object_place(world, object, query->time, &room);
+    const Affine *to_world = scene_object_place(scene, &scene->objects[emitter->of], query->time, &room);
     Vec3 normal, local = piece_sample(piece, (double)query->u[0], (double)query->u[1], &normal);
     Vec3 across = affine_area(to_world, normal);
     double stretch = vec3_length(across), sign = (affine_determinant(to_world) < 0) != emitter->inward ? -1 : 1;
@@ -148,16 +121,17 @@ static void sample_piece(const World *world, const Emitter *emitter, const Light
 }
 
 /* Of a round one that stands still: its radius in the world. */
-static double ball_radius(const World *world, const SceneObject *object, uint32_t piece)
+static double ball_radius(const Scene *scene, const Emitter *emitter)
 {
-    return piece_of(world, object, piece)->r0 * vec3_length(affine_vector(&object->to_world, vec3(1, 0, 0)));
+    const Affine *to_world = &scene->objects[emitter->of].to_world;
+    return emitter_piece(scene, emitter)->r0 * vec3_length(affine_vector(to_world, vec3(1, 0, 0)));
 }
 
 static void sample_ball(const World *world, const Emitter *emitter, const LightQuery *query, LightSample *sample)
 {
-    const SceneObject *object = &world->scene->objects[emitter->of];
-    sample_sphere(emitter->of, ball_radius(world, object, emitter->part), object->to_world.t, query->from, query->u,
-                  sample);
+    const Scene *scene = world->scene;
+    sample_sphere(emitter->of, ball_radius(scene, emitter), scene->objects[emitter->of].to_world.t, query->from,
+                  query->u, sample);
     if (LIKELY(!emitter->cut)) return;
     sample->distance *= 1 - 1e-5; /* its near side, too */
     sample->slack = 3e-5f;
@@ -228,7 +202,7 @@ static Lanes sample_emission(const World *world, const SceneSurface *surface, co
     Hit hit = {.t = sample->distance, .object = emitter->of, .primitive = emitter->part};
     if (emitter->kind == EMITTER_BALL) { /* of which the sample knows the direction only */
         const SceneObject *object = &world->scene->objects[emitter->of];
-        double radius = ball_radius(world, object, emitter->part);
+        double radius = ball_radius(world->scene, emitter);
         Vec3 to = vec3_sub(object->to_world.t, query->from);
         double middle = vec3_dot(to, vec3_from_f(sample->direction));
         hit.t = middle - sqrt(fmax(radius * radius + middle * middle - vec3_dot(to, to), 0));
@@ -400,10 +374,8 @@ LightPivot light_pivot_at(const World *world, uint32_t number, double time, Vec3
 {
     const Emitter *emitter = &world->emitters.emitters[number];
     const Scene *scene = world->scene;
-    if (emitter->kind == EMITTER_BALL) {
-        const SceneObject *object = &scene->objects[emitter->of];
-        return pivot_of_ball(object->to_world.t, ball_radius(world, object, emitter->part));
-    }
+    if (emitter->kind == EMITTER_BALL)
+        return pivot_of_ball(scene->objects[emitter->of].to_world.t, ball_radius(scene, emitter));
     const SceneLight *light = emitter->kind == EMITTER_LIGHT ? &scene->lights[emitter->of] : NULL;
     if (light &&
         (light->kind == LIGHT_SPHERE || light_is_focused(light))) { /* which place depends on where it is seen from */
@@ -417,8 +389,7 @@ LightPivot light_pivot(const World *world, uint32_t number, double time, double 
 {
     const Emitter *emitter = &world->emitters.emitters[number];
     const Scene *scene = world->scene;
-    Vec3 place = vec3(0, 0, 0), unused;
-    Affine room;
+    Vec3 place = vec3(0, 0, 0);
     float chosen[2];
     if (UNLIKELY(emitter->cells)) {
         emitter_cells_choose(world->emitters.cells[emitter->cells - 1], u, chosen);
@@ -427,15 +398,15 @@ LightPivot light_pivot(const World *world, uint32_t number, double time, double 
     switch (emitter->kind) {
     case EMITTER_LIGHT: {
         const SceneLight *light = &scene->lights[emitter->of];
+        Affine room;
         const Affine *to_world = light_place(world, light, time, &room);
         place = light_is_flat(light) ? light_flat_point(light, to_world, u) : to_world->t;
         break;
     }
-    case EMITTER_TRIANGLE: place = triangle_point(world, emitter, time, u, &unused); break;
+    case EMITTER_TRIANGLE:
     case EMITTER_PIECE: {
-        const SceneObject *object = &scene->objects[emitter->of];
-        Vec3 local = piece_sample(piece_of(world, object, emitter->part), (double)u[0], (double)u[1], &unused);
-        place = affine_point(object_place(world, object, time, &room), local);
+        const double there[2] = {(double)u[0], (double)u[1]};
+        place = emitter_place(world->compiled, emitter, time, there, NULL);
         break;
     }
     case EMITTER_BALL: break;
@@ -522,15 +493,15 @@ static float object_pdf(const World *world, const Emitter *emitter, Vec3 from, c
     } else if (hit->entering == emitter->inward) {
         return 0;
     } else if (emitter->kind == EMITTER_BALL) {
-        double cone = sphere_cone(ball_radius(world, object, emitter->part), vec3_sub(object->to_world.t, from));
+        double cone = sphere_cone(ball_radius(world->scene, emitter), vec3_sub(object->to_world.t, from));
         return cone < 2 ? sampling_cone_pdf((float)cone) : 0;
     } else {
         /* the map takes the local unit normal m to a normal along n, and its area to |det| / |transpose n| times as much */
         Affine room;
-        const Affine *to_world = object_place(world, object, ray->time, &room);
+        const Affine *to_world = scene_object_place(world->scene, object, ray->time, &room);
         double stretch =
             fabs(affine_determinant(to_world)) / vec3_length(affine_normal(to_world, vec3_from_f(hit->normal)));
-        area = piece_area(piece_of(world, object, emitter->part)) * stretch;
+        area = piece_area(emitter_piece(world->scene, emitter)) * stretch;
     }
     Vec3 to = vec3_sub(ray_point(ray, hit->t), from);
     float pdf = area > 0 ? (float)(vec3_dot(to, to) / (fabs(hit->cos_normal) * area)) : 0;

@@ -130,8 +130,8 @@ bool media_is_there(const CompiledScene *compiled, const WorldMedia *media, cons
 const MediumMaps *media_maps(const Scene *scene, const MediumPlace *place, double time, MediumMaps *room)
 {
     if (!place->moves) return &place->maps;
-    Affine to_world = place->keys ? affine_between(place->keys, scene->n_keys, time) : place->frame_to_world;
-    *room = maps_of(scene, place, &to_world, time);
+    Affine to_world;
+    *room = maps_of(scene, place, scene_place_at(scene, place->keys, &place->frame_to_world, time, &to_world), time);
     return room;
 }
 
