@@ -39,19 +39,6 @@ bool catcher_world_has(const World *bare, const LightSample *light)
     return light->emitter == EMITTER_NONE || bare->emitters.emitters[light->emitter].kind == EMITTER_LIGHT;
 }
 
-/* One that goes on counting from this one's counters. NULL when memory ends, which this one is told. */
-static Tracer *lend(Tracer *tracer)
-{
-    if (UNLIKELY(!tracer->barer)) tracer->barer = tracers_new(tracer->world->bare, 1);
-    if (!tracer->barer) {
-        tracer->out_of_memory = true;
-        return NULL;
-    }
-    tracer->barer->counters = tracer->counters;
-    tracer->barer->pixel = tracer->pixel;
-    return tracer->barer;
-}
-
 /* The list where a ray starts: it is in no hull, but for operands of combinations that catch. */
 static bool start_list(Tracer *bare, const Ray *ray)
 {
@@ -96,13 +83,12 @@ void catcher_meet(Path *path, const Event *event)
     Tracer *tracer = path->tracer;
     if (!tracer->world->looks[event->hit.object].catches) return;
     Catching *catching = path->catching;
-    Tracer *bare = lend(tracer);
+    Tracer *bare = tracer_lend_into(tracer, tracer->world->bare, &tracer->barer);
     path->catching = NULL;
-    if (!bare) return;
+    if (UNLIKELY(!bare)) return;
     catching->part = lanes_mean(path->beta) / lanes_mean(path->ratio);
     catching->front = path->radiance;
     path->radiance = lanes_all(0);
     catching->alike = !follow_bare(path, bare, event, &catching->bare);
-    tracer->counters = bare->counters;
-    tracer->out_of_memory |= bare->out_of_memory;
+    tracer_take_back_from(tracer, bare);
 }

@@ -82,20 +82,20 @@ void tracers_free(Tracer *tracers, unsigned n)
     free(tracers);
 }
 
-Tracer *tracer_lend(Tracer *tracer)
+Tracer *tracer_lend_into(Tracer *tracer, const World *world, Tracer **lent)
 {
-    if (UNLIKELY(!tracer->looker)) tracer->looker = tracers_new(tracer->world, 1);
-    if (LIKELY(tracer->looker))
-        tracer->looker->counters = tracer->counters;
+    if (UNLIKELY(!*lent)) *lent = tracers_new(world, 1);
+    if (LIKELY(*lent))
+        (*lent)->counters = tracer->counters;
     else
         tracer->out_of_memory = true;
-    return tracer->looker;
+    return *lent;
 }
 
-void tracer_take_back(Tracer *tracer)
+void tracer_take_back_from(Tracer *tracer, const Tracer *lent)
 {
-    tracer->counters = tracer->looker->counters;
-    tracer->out_of_memory |= tracer->looker->out_of_memory;
+    tracer->counters = lent->counters;
+    tracer->out_of_memory |= lent->out_of_memory;
 }
 
 /* Ends paths that carry little. The decision uses what is the same whichever lane is the hero. Directions that were chosen because a

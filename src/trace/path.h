@@ -140,11 +140,20 @@ void tracer_clear(Tracer *tracer);
 Tracer *tracers_new(const World *world, unsigned n);
 /* tracers may be NULL. */
 void tracers_free(Tracer *tracers, unsigned n);
-/* The one that follows what is sent out while this one's path waits; it counts on from this one's counters. NULL when memory ends,
- * which this one is told. */
-Tracer *tracer_lend(Tracer *tracer);
+/* One that works in a world while this one's path waits: *lent, made when it is first needed. It counts on from this one's counters.
+ * NULL when memory ends, which this one is told. */
+Tracer *tracer_lend_into(Tracer *tracer, const World *world, Tracer **lent);
 /* Takes back what that has counted. */
-void tracer_take_back(Tracer *tracer);
+void tracer_take_back_from(Tracer *tracer, const Tracer *lent);
+/* The same of what is sent out in this one's own world. */
+static inline Tracer *tracer_lend(Tracer *tracer)
+{
+    return tracer_lend_into(tracer, tracer->world, &tracer->looker);
+}
+static inline void tracer_take_back(Tracer *tracer)
+{
+    tracer_take_back_from(tracer, tracer->looker);
+}
 
 /* Where on the film: pixels from the top left corner, of a frame of width x height. */
 typedef struct FilmPoint {
