@@ -146,7 +146,7 @@ void path_look_at_light(Path *path, const LookPlace *from, LightLooks *looks)
     if (UNLIKELY(path->tracer->world->slabs.n)) slab_look_at_lamp(path, from, looks);
 }
 
-bool path_sees(Path *path, Ray *ray, Lanes *transmittance, uint32_t *medium_at_light)
+static bool sees(Path *path, Ray *ray, Lanes *transmittance, uint32_t *medium_at_light)
 {
     if (path_shadow(path, ray, transmittance, medium_at_light)) return true;
     *medium_at_light = WORLD_MEDIUM;
@@ -159,7 +159,7 @@ bool path_sees_light(Path *path, const LightSample *light, Ray *ray, Lanes *tran
     ray->t_max = light->distance;
     ray->target = light->object;
     ray->target_primitive = light->primitive;
-    return path_sees(path, ray, transmittance, medium_at_light);
+    return sees(path, ray, transmittance, medium_at_light);
 }
 
 /* Whether another lamp is met where a ray has looked for this one, see scene/ties.h. No direction finds this one there by chance, so it

@@ -46,9 +46,8 @@ typedef struct LightLooks {
     Lanes arrives[4]; /* what lights[i].arrives is, where it is any */
 } LightLooks;
 void path_look_at_light(Path *path, const LookPlace *from, LightLooks *looks);
-/* As path_shadow; of light from infinity (t_max) what comes through bodies with parallel faces, too: see slab_look.h. */
-bool path_sees(Path *path, Ray *ray, Lanes *transmittance, uint32_t *medium_at_light);
-/* The same to the place of a light, of which the ray is told. */
+/* As path_shadow, to the place of a light, of which the ray is told; of light from infinity what comes through bodies with parallel
+ * faces, too: see slab_look.h. */
 bool path_sees_light(Path *path, const LightSample *light, Ray *ray, Lanes *transmittance, uint32_t *medium_at_light);
 /* What comes straight along the ray from a light, as basic radiance; false: nothing. The ray becomes aimed at the light. */
 bool path_light_arrives(Path *path, const LightSample *light, Ray *ray, Lanes *basic);
