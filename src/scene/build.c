@@ -373,11 +373,11 @@ static void check_catchers(Builder *b, bool lit)
 {
     const Scene *scene = b->scene;
     for (uint32_t i = 0; i < scene->n_objects; i++) {
-        const SceneObject *object = &scene->objects[i];
-        if (lit || object->surface == SCENE_NONE || !scene->surfaces[object->surface].catches) continue;
-        Diagnostic *report = diag_report(
-            b->diag, D_IDLE_CATCHER, object->span,
-            "%s catches no shadows: what lights it are things that shine, which add their light", object->name);
+        if (lit || !scene_is_catcher(scene, i)) continue;
+        Diagnostic *report =
+            diag_report(b->diag, D_IDLE_CATCHER, scene->objects[i].span,
+                        "%s catches no shadows: what lights it are things that shine, which add their light",
+                        scene->objects[i].name);
         diag_hint(b->diag, report, "let a light { } or an environment light it");
         return;
     }

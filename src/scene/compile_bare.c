@@ -4,19 +4,13 @@
 
 #include "scene/compile.h"
 
-static bool catches(const Scene *scene, uint32_t object)
-{
-    uint32_t surface = scene->objects[object].surface;
-    return surface != SCENE_NONE && scene->surfaces[surface].catches;
-}
-
 /* What is to be kept. Of a combination all operands are, if one of them is: they cut each other. Fails when memory ends. */
 static bool *find_kept(const Scene *scene, bool *any)
 {
     bool *kept = calloc(scene->n_objects + (size_t)1, sizeof *kept);
     *any = false;
     for (uint32_t i = 0; kept && i < scene->n_objects; i++)
-        if (catches(scene, i)) *any = kept[scene_whole(scene, i)] = true;
+        if (scene_is_catcher(scene, i)) *any = kept[scene_whole(scene, i)] = true;
     for (uint32_t i = 0; kept && i < scene->n_objects; i++)
         kept[i] = kept[scene_whole(scene, i)] || scene->objects[i].light != SCENE_NONE;
     return kept;

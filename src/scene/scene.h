@@ -328,12 +328,23 @@ static inline uint32_t scene_whole(const Scene *scene, uint32_t object)
     uint32_t whole = scene->objects[object].part_of;
     return whole == SCENE_NONE ? object : whole;
 }
+/* Whether an object's surface gives light; a lamp, see SceneObject.light, has none. */
+static inline bool scene_surface_shines(const Scene *scene, uint32_t object)
+{
+    uint32_t surface = scene->objects[object].surface;
+    return surface != SCENE_NONE && scene->surfaces[surface].emits;
+}
 /* Whether an object gives light by itself: its surface, or what fills it. */
 static inline bool scene_shines(const Scene *scene, uint32_t object)
 {
-    uint32_t surface = scene->objects[object].surface, medium = scene->objects[object].medium;
-    return (surface != SCENE_NONE && scene->surfaces[surface].emits) ||
-           (medium != SCENE_NONE && scene->media[medium].emits);
+    uint32_t medium = scene->objects[object].medium;
+    return scene_surface_shines(scene, object) || (medium != SCENE_NONE && scene->media[medium].emits);
+}
+/* Whether an object catches shadows. */
+static inline bool scene_is_catcher(const Scene *scene, uint32_t object)
+{
+    uint32_t surface = scene->objects[object].surface;
+    return surface != SCENE_NONE && scene->surfaces[surface].catches;
 }
 /* Whether light goes through an object that has no interior. */
 static inline bool scene_is_thin(const Scene *scene, uint32_t object)

@@ -95,8 +95,7 @@ static void find_shining(Shining *shining)
     SceneShapeBox known = {0};
     for (uint32_t i = 0; i < scene->n_objects; i++) {
         const SceneObject *object = &scene->objects[i];
-        bool shines =
-            object->light != SCENE_NONE || (object->surface != SCENE_NONE && scene->surfaces[object->surface].emits);
+        bool shines = object->light != SCENE_NONE || scene_surface_shines(scene, i);
         if (!shines || object->shape == SCENE_NONE || object->part_of != SCENE_NONE || scene_is_plane(scene, i))
             continue;
         Box3 box = scene_next_box_around(scene, object, &known);

@@ -180,10 +180,9 @@ static uint32_t count_parts(const CompiledScene *compiled, uint32_t number)
 {
     const Scene *scene = compiled->scene;
     const SceneObject *object = &scene->objects[number];
-    if (object->surface == SCENE_NONE || object->shape == SCENE_NONE ||
-        scene->objects[scene_whole(scene, number)].medium != SCENE_NONE)
+    if (object->shape == SCENE_NONE || scene->objects[scene_whole(scene, number)].medium != SCENE_NONE ||
+        !scene_surface_shines(scene, number))
         return 0;
-    if (!scene->surfaces[object->surface].emits) return 0;
     return rtc_n_primitives(compiled->rtc, number);
 }
 

@@ -39,14 +39,12 @@ Status looks_find(const Scene *scene, ObjectLook **looks, Error *error)
     TRY(equal_find(&items, scene->n_surfaces, "comparing surfaces", NULL, &first, error));
     for (uint32_t i = 0; i < scene->n_objects; i++) {
         const SceneObject *object = &scene->objects[i];
-        bool bare = object->surface == SCENE_NONE;
-        made[i] =
-            (ObjectLook){.surface = bare ? SCENE_NONE : first[object->surface],
-                         .light = object->light,
-                         .whole = scene_whole(scene, i),
-                         .shines = object->light != SCENE_NONE || (!bare && scene->surfaces[object->surface].emits),
-                         .catches = !bare && scene->surfaces[object->surface].catches,
-                         .identity = object->texture_frame == SCENE_NONE ? 0 : scene_texture_identity(scene, i)};
+        made[i] = (ObjectLook){.surface = object->surface == SCENE_NONE ? SCENE_NONE : first[object->surface],
+                               .light = object->light,
+                               .whole = scene_whole(scene, i),
+                               .shines = object->light != SCENE_NONE || scene_surface_shines(scene, i),
+                               .catches = scene_is_catcher(scene, i),
+                               .identity = object->texture_frame == SCENE_NONE ? 0 : scene_texture_identity(scene, i)};
     }
     free(first);
     return STATUS_OK;
