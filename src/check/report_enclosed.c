@@ -350,9 +350,8 @@ typedef struct Made {
 static int compare_made(const void *left, const void *right)
 {
     const Made *a = left, *b = right;
-    if (a->span.source != b->span.source) return a->span.source < b->span.source ? -1 : 1;
-    if (a->span.begin != b->span.begin) return a->span.begin < b->span.begin ? -1 : 1;
-    return a->thing < b->thing ? -1 : a->thing > b->thing;
+    int order = span_compare(a->span, b->span);
+    return order ? order : a->thing < b->thing ? -1 : a->thing > b->thing;
 }
 
 /* Of many things that one statement strews, as leaves, some are hidden by chance, and nobody wants to know: forgotten
@@ -369,10 +368,8 @@ static void forget_chance(Enclosures *e, uint32_t n_things)
     }
     if (n) qsort(made, n, sizeof *made, compare_made);
     for (uint32_t first = 0, end; first < n; first = end) {
-        const Span *span = &made[first].span;
         uint32_t n_held = 0;
-        for (end = first; end < n && made[end].span.source == span->source && made[end].span.begin == span->begin;
-             end++)
+        for (end = first; end < n && span_same_place(made[end].span, made[first].span); end++)
             n_held += e->holder[made[end].thing] != SCENE_NONE;
         for (uint32_t i = first; end - first > REPORT_FEW && n_held < end - first && i < end; i++)
             e->holder[made[i].thing] = SCENE_NONE;

@@ -219,7 +219,7 @@ uint32_t report_count_like(ReportLikes *likes, const SceneObject *a, const Scene
 {
     uint32_t i = 0;
     while (i < likes->n &&
-           !(report_same_place(likes->places[i][0], a->span) && report_same_place(likes->places[i][1], b->span)))
+           !(span_same_place(likes->places[i][0], a->span) && span_same_place(likes->places[i][1], b->span)))
         i++;
     if (i == REPORT_MOST) return i;
     if (i == likes->n) {

@@ -113,11 +113,6 @@ void report_print_hulls(const CompiledScene *compiled, const ReportGroups *group
 void report_print_pairs(const CompiledScene *compiled, const ReportGroups *groups, Buf *out);
 
 const SceneObject *report_object(const CompiledScene *compiled, uint32_t hull);
-/* Whether two things are of one place in the text, as the turns of a loop are. */
-static inline bool report_same_place(Span a, Span b)
-{
-    return a.source == b.source && a.begin == b.begin;
-}
 /* Pairs of what one place in the text is of and what another one is of: one report of each. */
 typedef struct ReportLikes {
     Span places[REPORT_MOST][2];

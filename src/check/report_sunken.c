@@ -254,7 +254,7 @@ static SeenPlace *find_place(Sunken *s, Span span)
 {
     const uint32_t n = 2 * SHEETS;
     uint32_t i = hash_combine(span.source, span.begin) % n;
-    while (s->seen[i].n && !report_same_place(s->seen[i].span, span)) i = (i + 1) % n;
+    while (s->seen[i].n && !span_same_place(s->seen[i].span, span)) i = (i + 1) % n;
     s->seen[i].span = span;
     return &s->seen[i];
 }

@@ -151,8 +151,7 @@ static void report_small(const Scene *scene, const SceneFrame *frame, uint32_t v
 static bool is_told(const Span *told, uint32_t n, Span span)
 {
     bool found = false;
-    for (uint32_t i = 0; i < n; i++)
-        found |= told[i].source == span.source && told[i].begin == span.begin && told[i].end == span.end;
+    for (uint32_t i = 0; i < n; i++) found |= span_equal(told[i], span);
     return found;
 }
 

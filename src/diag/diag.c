@@ -55,8 +55,7 @@ static bool is_consequence(const Diagnostic *first, const Diagnostic *report)
 static Diagnostic *find_repetition(const Diag *diag, const Diagnostic *wanted)
 {
     for (Diagnostic *d = diag->first; d; d = d->next)
-        if (d->has_span == wanted->has_span && d->span.source == wanted->span.source &&
-            d->span.begin == wanted->span.begin &&
+        if (d->has_span == wanted->has_span && span_same_place(d->span, wanted->span) &&
             ((d->code == wanted->code && strcmp(d->text, wanted->text) == 0) || is_consequence(d, wanted)))
             return d;
     return NULL;
@@ -229,9 +228,7 @@ void diag_suggest_or_list(Diag *diag, Diagnostic *report, const char *wrong, con
 static int compare_places(const Diagnostic *a, const Diagnostic *b)
 {
     if (a->has_span != b->has_span) return a->has_span ? -1 : 1;
-    if (a->span.source != b->span.source) return a->span.source < b->span.source ? -1 : 1;
-    if (a->span.begin != b->span.begin) return a->span.begin < b->span.begin ? -1 : 1;
-    return 0;
+    return span_compare(a->span, b->span);
 }
 
 /* a stable merge sort of the list */
@@ -321,9 +318,7 @@ static Diagnostic *find_mistake(const Diag *diag, const Diagnostic *wanted)
 {
     Diagnostic *found = find_repetition(diag, wanted);
     for (Diagnostic *d = diag->first; d && !found && wanted->has_span; d = d->next)
-        if (d->code == wanted->code && d->has_span && d->span.source == wanted->span.source &&
-            d->span.begin == wanted->span.begin)
-            found = d;
+        if (d->code == wanted->code && d->has_span && span_same_place(d->span, wanted->span)) found = d;
     return found;
 }
 

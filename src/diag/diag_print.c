@@ -161,8 +161,8 @@ static void add_report(Diag *diag, Buf *out, const Diagnostic *report, const Sty
     if (report->has_span) add_quote(diag, out, report->span, style, style->caret);
     if (report->hint) buf_format(out, "%s      =%s hint: %s\n", style->gutter, style->plain, report->hint);
     for (const DiagNote *note = report->notes; note; note = note->next) {
-        bool same_place = note->has_span && report->has_span && note->span.source == report->span.source &&
-                          note->span.begin == report->span.begin; /* the line stands there already */
+        bool same_place = note->has_span && report->has_span &&
+                          span_same_place(note->span, report->span); /* the line stands there already */
         if (!note->has_span || same_place) {
             buf_format(out, "%s      =%s note: %s\n", style->gutter, style->plain, note->text);
             continue;

@@ -15,6 +15,22 @@ typedef struct Span {
     uint32_t begin, end;
 } Span;
 
+/* Whether two things are of one place in the text, as the turns of a loop are. */
+static inline bool span_same_place(Span a, Span b)
+{
+    return a.source == b.source && a.begin == b.begin;
+}
+static inline bool span_equal(Span a, Span b)
+{
+    return span_same_place(a, b) && a.end == b.end;
+}
+/* In the order of the text: < 0, 0, > 0. */
+static inline int span_compare(Span a, Span b)
+{
+    if (a.source != b.source) return a.source < b.source ? -1 : 1;
+    return a.begin < b.begin ? -1 : a.begin > b.begin;
+}
+
 typedef struct Source {
     const char *name; /* as shown to people: the path, "<stdin>", "std/glassware.mns", "-D" */
     const char *path; /* where it was read, NULL for text that is no file */

@@ -347,7 +347,7 @@ static void merge_single(Evaluator *evaluator, EvalNode *node)
         node_list_add(evaluator, &evaluator->top, node);
         return;
     }
-    bool again = first->span.source == node->span.source && first->span.begin == node->span.begin; /* included twice */
+    bool again = span_same_place(first->span, node->span); /* included twice */
     if (!evaluator->in_preset && !again && evaluator->single_sources[row] == node->span.source) {
         Diagnostic *report =
             eval_report(evaluator, D_DUPLICATE_NODE, node->span, "'%s' stands in this file twice", node->type->name);

@@ -421,8 +421,7 @@ static const EvalProp *find_prop(const EvalNode *node, const PropType *type)
 static bool inherited(const EvalProp *prop, const EvalNode *origin)
 {
     const EvalProp *same = origin ? find_prop(origin, prop->type) : NULL;
-    return same && same->span.source == prop->span.source && same->span.begin == prop->span.begin &&
-           same->span.end == prop->span.end;
+    return same && span_equal(same->span, prop->span);
 }
 
 /* depth: of a line within the node. */

@@ -13,8 +13,7 @@
 Diagnostic *build_report_shape(Builder *b, Span span, const Error *error)
 {
     const Diagnostic *last = b->diag->last;
-    bool told = last && last->code == D_DEGENERATE_SHAPE && last->has_span && last->span.source == span.source &&
-                last->span.begin == span.begin && last->span.end == span.end;
+    bool told = last && last->code == D_DEGENERATE_SHAPE && last->has_span && span_equal(last->span, span);
     return told ? NULL : diag_report(b->diag, D_DEGENERATE_SHAPE, span, "%s", error->text);
 }
 
@@ -149,8 +148,7 @@ static void note_passed_by(const Builder *b, const EvalNode *node, Diagnostic *r
 {
     for (const DiagChain *call = node->chain; call; call = call->outer)
         for (const EvalPassedBy *passed = b->result.passed_by; passed; passed = passed->next) {
-            bool here = passed->call.source == call->span.source && passed->call.begin == call->span.begin;
-            if (passed->type != node->type || !here) continue;
+            if (passed->type != node->type || !span_same_place(passed->call, call->span)) continue;
             diag_note(b->diag, report, passed->defaults,
                       "these defaults do not reach into '%s', which is not below them", passed->macro);
             if (node->span.source == passed->defaults.source)
