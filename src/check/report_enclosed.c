@@ -413,16 +413,15 @@ static void report_held(const Enclosures *e, uint32_t n_things, DiagCode code, D
  * none. */
 static uint32_t shines_into(Enclosures *e, const SceneLight *light)
 {
-    double x = 0.5 * light->half_width, z = light->kind == LIGHT_DISC ? x : 0.5 * light->half_height;
-    const Vec3 places[] = {{0, 0, 0}, {x, 0, z}, {-x, 0, -z}};
-    Vec3 axis = affine_vector(&light->to_world, vec3(0, 1, 0));
+    Vec3 places[LIGHT_PLACES], up[LIGHT_PLACES];
+    light_some_places(light, places, up);
     uint32_t object = SCENE_NONE;
     for (int i = 0; i < 3; i++) {
         SurfacesHere here;
         uint32_t k = 0;
-        compiled_surfaces_at(e->compiled, affine_point(&light->to_world, places[i]), 0, &here);
+        compiled_surfaces_at(e->compiled, places[i], 0, &here);
         while (k < here.n && (!e->may_hold[here.items[k].object] || (i && here.items[k].object != object) ||
-                              vec3_dot(vec3_from_f(here.items[k].normal), axis) > -(1 - 1e-6)))
+                              vec3_dot(vec3_from_f(here.items[k].normal), up[i]) > -(1 - 1e-6)))
             k++;
         if (k == here.n) return SCENE_NONE;
         object = here.items[k].object;

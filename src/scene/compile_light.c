@@ -4,7 +4,7 @@
 #include "scene/compile.h"
 #include "scene/ties.h"
 
-enum { MOST = 10, PLACES = 5 };
+enum { MOST = 10 };
 
 static bool is_clear(const CompiledScene *compiled, const RtcSurface *surface)
 {
@@ -57,34 +57,20 @@ static Status check_point(const CompiledScene *compiled, const SceneLight *light
     return STATUS_OK;
 }
 
-/* Places on a light that has a surface, in the world, and which way it shines there: the middle of one that is flat, and halfway to
- * its corners. */
-static void find_places(const SceneLight *light, Vec3 places[PLACES], Vec3 up[PLACES])
-{
-    double x = 0.5 * light->half_width, z = light->kind == LIGHT_DISC ? x : 0.5 * light->half_height;
-    const Vec3 on_flat[PLACES] = {{0, 0, 0}, {x, 0, z}, {-x, 0, z}, {x, 0, -z}, {-x, 0, -z}};
-    const Vec3 of_ball[PLACES] = {{0, 1, 0}, {.6, 0, .8}, {-.6, 0, .8}, {.6, 0, -.8}, {-.48, -.6, -.64}};
-    for (int i = 0; i < PLACES; i++) {
-        bool ball = light->kind == LIGHT_SPHERE;
-        up[i] = affine_vector(&light->to_world, ball ? of_ball[i] : vec3(0, 1, 0));
-        places[i] = affine_point(&light->to_world, ball ? vec3_scale(of_ball[i], light->half_width) : on_flat[i]);
-    }
-}
-
 /* One that is flat, in a face of a clear object. */
 static Status check_flat(const CompiledScene *compiled, const SceneLight *light, HitList *hits, uint32_t *n, Diag *diag)
 {
-    Vec3 places[PLACES], up[PLACES];
+    Vec3 places[LIGHT_PLACES], up[LIGHT_PLACES];
     RtcSurface surface = {0};
     uint32_t n_found = 0;
-    find_places(light, places, up);
-    for (int i = 0; i < PLACES; i++) {
+    light_some_places(light, places, up);
+    for (int i = 0; i < LIGHT_PLACES; i++) {
         RtcSurface here;
         bool found;
         TRY(find_surface(compiled, places[i], &up[i], hits, &here, &found));
         if (found && n_found++ == 0) surface = here;
     }
-    if (2 * n_found <= PLACES || ++*n > MOST) return STATUS_OK;
+    if (2 * n_found <= LIGHT_PLACES || ++*n > MOST) return STATUS_OK;
     Diagnostic *report = diag_report(diag, D_LIGHT_ON_SURFACE, light->span,
                                      "%s lies in a face of %s and shines into it: it counts as inside, and looks less "
                                      "bright from outside by the square "
@@ -109,10 +95,10 @@ static bool shines_there(const CompiledScene *compiled, const SceneLight *light,
 /* The first such object, where there is one at most of a light's places; SCENE_NONE: there is none. */
 static uint32_t find_lamp_there(const CompiledScene *compiled, const SceneLight *light)
 {
-    Vec3 places[PLACES], up[PLACES];
+    Vec3 places[LIGHT_PLACES], up[LIGHT_PLACES];
     uint32_t n_found = 0, first = SCENE_NONE;
-    find_places(light, places, up);
-    for (int i = 0; i < PLACES; i++) {
+    light_some_places(light, places, up);
+    for (int i = 0; i < LIGHT_PLACES; i++) {
         SurfacesHere here;
         uint32_t k = 0;
         compiled_surfaces_at(compiled, places[i], 0, &here);
@@ -121,7 +107,7 @@ static uint32_t find_lamp_there(const CompiledScene *compiled, const SceneLight 
             k++;
         if (k < here.n && n_found++ == 0) first = here.items[k].object;
     }
-    return 2 * n_found > PLACES ? first : SCENE_NONE;
+    return 2 * n_found > LIGHT_PLACES ? first : SCENE_NONE;
 }
 
 static void check_shared(const CompiledScene *compiled, const SceneLight *light, uint32_t *n, Diag *diag)

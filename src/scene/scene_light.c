@@ -6,6 +6,18 @@
 
 #include "base/angle.h"
 
+void light_some_places(const SceneLight *light, Vec3 places[LIGHT_PLACES], Vec3 up[LIGHT_PLACES])
+{
+    double x = 0.5 * light->half_width, z = light->kind == LIGHT_DISC ? x : 0.5 * light->half_height;
+    const Vec3 on_flat[LIGHT_PLACES] = {{0, 0, 0}, {x, 0, z}, {-x, 0, -z}, {-x, 0, z}, {x, 0, -z}};
+    const Vec3 of_ball[LIGHT_PLACES] = {{0, 1, 0}, {.6, 0, .8}, {-.6, 0, .8}, {.6, 0, -.8}, {-.48, -.6, -.64}};
+    for (int i = 0; i < LIGHT_PLACES; i++) {
+        bool ball = light->kind == LIGHT_SPHERE;
+        up[i] = affine_vector(&light->to_world, ball ? of_ball[i] : vec3(0, 1, 0));
+        places[i] = affine_point(&light->to_world, ball ? vec3_scale(of_ball[i], light->half_width) : on_flat[i]);
+    }
+}
+
 /* The angle about the axis as one of those that the profile has. */
 static double fold(const LightProfile *profile, double angle)
 {

@@ -61,6 +61,10 @@ static inline bool light_is_flat(const SceneLight *light)
 {
     return light->kind == LIGHT_RECT || light->kind == LIGHT_DISC;
 }
+/* Places on a light that has a surface, in the world, and which way it shines there: the middle of one that is flat, and halfway to
+ * its corners, first two that are opposite. */
+enum { LIGHT_PLACES = 5 };
+void light_some_places(const SceneLight *light, Vec3 places[LIGHT_PLACES], Vec3 up[LIGHT_PLACES]);
 /* Whether it is flat, and shines into a cone alone. */
 static inline bool light_is_focused(const SceneLight *light)
 {
