@@ -245,8 +245,8 @@ bool slabs_are_on_way(const Slabs *slabs, Vec3 from, Vec3f direction, double dis
     const Vec3 d = vec3_from_f(direction), to = vec3_along(from, double_min(distance, 1e30), d);
     double enter, leave;
     if (!slabs->n_boxes || !may_come_to(&slabs->bounds, from, to)) return false;
-    bool any = slabs->n_boxes > MOST && box3_cut(&slabs->bounds, from, d, &enter, &leave);
-    for (uint32_t i = 0; i < slabs->n_boxes && slabs->n_boxes <= MOST && !any; i++)
-        any = may_come_to(&slabs->boxes[i], from, to) && box3_cut(&slabs->boxes[i], from, d, &enter, &leave);
-    return any;
+    if (slabs->n_boxes > MOST) return box3_cut(&slabs->bounds, from, d, &enter, &leave);
+    for (uint32_t i = 0; i < slabs->n_boxes; i++)
+        if (may_come_to(&slabs->boxes[i], from, to) && box3_cut(&slabs->boxes[i], from, d, &enter, &leave)) return true;
+    return false;
 }
