@@ -76,10 +76,8 @@ static void add_truth(Facts *facts, const char *name, bool truth)
 static bool is_the_same_again(const MeshSource *source, const MeshPart *part)
 {
     if (strcmp(part->kind, "object") != 0 || !part->by_number) return false;
-    for (size_t i = 0; i < source->n_parts; i++)
-        if (source->parts[i].number == part->number && strcmp(source->parts[i].kind, "node") == 0)
-            return source->parts[i].n_triangles == part->n_triangles;
-    return false;
+    const MeshPart *node = mesh_source_find_numbered(source, "node", part->number);
+    return node && node->n_triangles == part->n_triangles;
 }
 
 /* What `part` of a mesh can be. */

@@ -192,6 +192,13 @@ uint32_t mesh_source_numbered_part(MeshSource *source, const char *kind, size_t 
     return part_of(source, (PartKey){kind, name, length, true, number});
 }
 
+const MeshPart *mesh_source_find_numbered(const MeshSource *source, const char *kind, size_t number)
+{
+    PartKey key = {.kind = kind, .by_number = true, .number = number};
+    uint32_t found = source->table_room ? source->table[part_slot(source, &key)] : 0;
+    return found ? &source->parts[found - 1] : NULL;
+}
+
 /* ---- materials ---- */
 
 const MeshMaterial *mesh_source_find_material(const MeshSource *source, const char *name)

@@ -125,6 +125,8 @@ static inline uint32_t load_le32(const void *at)
 uint32_t mesh_source_part(MeshSource *source, const char *kind, const char *name, size_t length);
 /* The same of one that has a number in the file, and perhaps a name, which others may have, too. */
 uint32_t mesh_source_numbered_part(MeshSource *source, const char *kind, size_t number, const char *name);
+/* The part of that kind and number, if it is one that has a number in the file; NULL: there is none. */
+const MeshPart *mesh_source_find_numbered(const MeshSource *source, const char *kind, size_t number);
 /* A material, which is taken over and empty afterwards. */
 void mesh_source_material(MeshSource *source, MeshMaterial *material);
 /* The first material of that name; NULL: none. */
