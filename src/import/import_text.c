@@ -12,7 +12,6 @@
 #include "base/num.h"
 #include "base/utf8.h"
 #include "import/import_parts.h"
-#include "lang/builtin.h"
 #include "lang/lex.h"
 #include "lang/resolve.h"
 #include "scene/build.h"
@@ -23,19 +22,11 @@ enum { LINE_WIDTH = 108, COMMENT_WIDTH = 108, LONGEST_SHOWN = 60, LONGEST_NAME =
 
 static bool is_word_of_language(const char *name)
 {
-    const Schema *schema = scene_schema();
-    for (size_t i = 0; i < schema->n_nodes; i++)
-        if (strcmp(schema->nodes[i].name, name) == 0) return true;
-    for (size_t i = 0; i < schema->n_terms; i++)
-        if (strcmp(schema->terms[i].name, name) == 0) return true;
-    for (size_t i = 0; i < builtin_count(); i++)
-        if (strcmp(builtin_at(i)->name, name) == 0) return true;
-    for (size_t i = 0; i < PREDECLARED_COUNT; i++)
-        if (strcmp(predeclared_names[i], name) == 0) return true;
-    for (size_t i = 0; keyword_at(i); i++)
-        if (strcmp(keyword_at(i)->word, name) == 0) return true;
-    /* the medium of the prelude, what else has a meaning, and what the scene itself uses */
-    static const char *const others[] = {"air", "preset", "studio", "_"};
+    const char *word;
+    for (size_t i = 0; (word = language_word_at(scene_schema(), i)) != NULL; i++)
+        if (strcmp(word, name) == 0) return true;
+    /* the medium of the prelude, and what the scene itself uses */
+    static const char *const others[] = {"air", "studio", "_"};
     for (size_t i = 0; i < COUNT_OF(others); i++)
         if (strcmp(others[i], name) == 0) return true;
     return false;

@@ -14,7 +14,6 @@
 
 #include "base/file.h"
 #include "base/hash.h"
-#include "lang/builtin.h"
 #include "lang/flat_function.h"
 #include "lang/resolve.h"
 #include "lang/value.h"
@@ -137,15 +136,11 @@ static bool is_prelude(const Flat *flat, const EvalNode *node)
     return !source->path && node->name && strcmp(source->name, "prelude") == 0;
 }
 
-/* What a name must not hide: types, functions, terms, and what the prelude declares. */
+/* What a name must not hide: words of the language, and what the prelude declares. */
 static void take_words(Flat *flat)
 {
-    const Schema *schema = flat->options->eval->schema;
-    for (size_t i = 0; i < schema->n_nodes; i++) take_name(flat, schema->nodes[i].name);
-    for (size_t i = 0; i < schema->n_terms; i++) take_name(flat, schema->terms[i].name);
-    for (size_t i = 0; i < builtin_count(); i++) take_name(flat, builtin_at(i)->name);
-    for (size_t i = 0; i < PREDECLARED_COUNT; i++) take_name(flat, predeclared_names[i]);
-    take_name(flat, "preset");
+    const char *word;
+    for (size_t i = 0; (word = language_word_at(flat->options->eval->schema, i)) != NULL; i++) take_name(flat, word);
     for (size_t i = 0; i < flat->capacity; i++)
         if (flat->shared[i].node && is_prelude(flat, flat->shared[i].node)) take_name(flat, flat->shared[i].node->name);
 }
@@ -155,8 +150,7 @@ static const char *new_name(Flat *flat, const char *wanted)
 {
     const char *name = wanted;
     for (unsigned n = 2;; n++) {
-        Symbol *symbol = symbol_of(&flat->symbols, name, strlen(name));
-        if (!symbol->binding && !symbol->keyword) break;
+        if (!symbol_of(&flat->symbols, name, strlen(name))->binding) break;
         name = arena_format(flat->arena, "%.*s__%u", (int)eval_word_length(wanted), wanted, n);
     }
     take_name(flat, name);

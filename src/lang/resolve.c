@@ -16,6 +16,20 @@
 
 const char *const predeclared_names[PREDECLARED_COUNT] = {"clock", "frame", "frames", "time", "x", "y", "z", "pi"};
 
+const char *language_word_at(const Schema *schema, size_t i)
+{
+    if (i < schema->n_nodes) return schema->nodes[i].name;
+    i -= schema->n_nodes;
+    if (i < schema->n_terms) return schema->terms[i].name;
+    i -= schema->n_terms;
+    if (i < builtin_count()) return builtin_at(i)->name;
+    i -= builtin_count();
+    if (i < PREDECLARED_COUNT) return predeclared_names[i];
+    i -= PREDECLARED_COUNT;
+    if (i == 0) return "preset";
+    return keyword_at(i - 1) ? keyword_at(i - 1)->word : NULL;
+}
+
 struct Scope {
     Scope *outer;
     Binding *bindings;

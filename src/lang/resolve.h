@@ -44,6 +44,9 @@ enum {
     PREDECLARED_COUNT
 };
 extern const char *const predeclared_names[PREDECLARED_COUNT];
+/* The words that mean something in every scene, which no name should hide: types, terms, functions, keywords and predeclared names.
+ * NULL behind the last. */
+const char *language_word_at(const Schema *schema, size_t i);
 
 /* What a statement stands in, as far as the text says. */
 typedef enum NodeContext { CONTEXT_FREE, CONTEXT_NODE, CONTEXT_MACRO } NodeContext;
