@@ -43,21 +43,21 @@ static TerminalSize free_size(void)
 Status terminal_preview_show(TerminalPreview *preview, const Image *shown, Error *error)
 {
     TerminalSize size = free_size();
-    Buf picture = {0}, text = {0};
-    bool is_graphics;
-    unsigned rows;
-    Status status =
-        terminal_picture_draw(shown, &size, preview->graphics, environ, &picture, &rows, &is_graphics, error);
+    TerminalPicture picture = {.rows = 0};
+    Buf text = {0};
+    Status status = terminal_picture_draw(shown, &size, preview->graphics, environ, &picture, error);
     if (status != STATUS_OK) {
-        buf_clear(&picture);
+        buf_clear(&picture.text);
         return status;
     }
+    const bool is_graphics = picture.is_graphics;
+    const unsigned rows = picture.rows;
     bool in_place = preview->rows == rows && preview->lines == talk_lines() && !*signals_flag();
     buf_add(&text, CLEAR_LINE);
     if (!in_place && is_graphics) buf_add_repeat(&text, '\n', rows); /* room, where it is the terminal's last line */
     if (in_place || is_graphics) buf_format(&text, CURSOR_UP, rows);
     if (is_graphics) buf_add(&text, SAVE_CURSOR);
-    buf_add_bytes(&text, buf_text(&picture), picture.length);
+    buf_add_bytes(&text, buf_text(&picture.text), picture.text.length);
     if (is_graphics)
         buf_format(&text, RESTORE_CURSOR CURSOR_DOWN "\r", rows);
     else
@@ -65,7 +65,7 @@ Status terminal_preview_show(TerminalPreview *preview, const Image *shown, Error
     talk_write(&text);
     preview->rows = rows;
     preview->lines = talk_lines();
-    buf_clear(&picture);
+    buf_clear(&picture.text);
     buf_clear(&text);
     return STATUS_OK;
 }

@@ -109,25 +109,25 @@ static ChafaTermInfo *terminal_of(TerminalGraphics graphics, char **environment)
 }
 
 Status terminal_picture_draw(const Image *shown, const TerminalSize *size, TerminalGraphics graphics,
-                             char **environment, Buf *text, unsigned *rows, bool *is_graphics, Error *error)
+                             char **environment, TerminalPicture *picture, Error *error)
 {
     unsigned char *bytes = bytes_of(shown);
     if (!bytes) return fail_memory(error, 3 * (size_t)shown->width * shown->height, "a picture for the terminal");
     ChafaTermInfo *info = terminal_of(graphics, environment);
     ChafaPixelMode mode = mode_of(graphics, info);
-    *is_graphics = mode != CHAFA_PIXEL_MODE_SYMBOLS;
-    Cells cells = fit(shown, size, *is_graphics);
+    picture->is_graphics = mode != CHAFA_PIXEL_MODE_SYMBOLS;
+    Cells cells = fit(shown, size, picture->is_graphics);
     ChafaCanvasConfig *config = configure(&cells, mode, colors_of(info));
     ChafaCanvas *canvas = chafa_canvas_new(config);
     chafa_canvas_draw_all_pixels(canvas, CHAFA_PIXEL_RGB8, bytes, (gint)shown->width, (gint)shown->height,
                                  (gint)(3 * shown->width));
     GString *drawn = chafa_canvas_print(canvas, info);
-    buf_add_bytes(text, drawn->str, drawn->len);
-    *rows = cells.rows;
+    buf_add_bytes(&picture->text, drawn->str, drawn->len);
+    picture->rows = cells.rows;
     g_string_free(drawn, TRUE);
     chafa_canvas_unref(canvas);
     chafa_canvas_config_unref(config);
     chafa_term_info_unref(info);
     g_free(bytes);
-    return text->failed ? fail_memory(error, text->length, "a picture for the terminal") : STATUS_OK;
+    return picture->text.failed ? fail_memory(error, picture->text.length, "a picture for the terminal") : STATUS_OK;
 }

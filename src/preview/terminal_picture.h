@@ -23,11 +23,15 @@ typedef struct TerminalSize {
 /* false: there is no graphics of that name */
 bool terminal_graphics_from_text(const char *text, TerminalGraphics *graphics);
 
-/* Adds the picture (RGB, as a display shows it, 0..1) to *text, as large as it may be and in its proportions; *rows is the number
- * of lines that it covers. Where the terminal has graphics the picture begins at the cursor, which may end anywhere; where it has
- * not each line but the last one ends with a line break. environment: of the process ("TERM=xterm"). STATUS_NOMEM. */
+typedef struct TerminalPicture {
+    Buf text;      /* empty before; cleared by the caller, in any case */
+    unsigned rows; /* lines that it covers */
+    bool
+        is_graphics; /* it begins at the cursor, which may end anywhere; else each line but the last ends with a line break */
+} TerminalPicture;
+/* A picture (RGB, as a display shows it, 0..1), as large as it may be and in its proportions. environment: of the process
+ * ("TERM=xterm"). STATUS_NOMEM. */
 ATTR_NODISCARD Status terminal_picture_draw(const Image *shown, const TerminalSize *size, TerminalGraphics graphics,
-                                            char **environment, Buf *text, unsigned *rows, bool *is_graphics,
-                                            Error *error);
+                                            char **environment, TerminalPicture *picture, Error *error);
 
 #endif

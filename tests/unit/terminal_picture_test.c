@@ -23,26 +23,19 @@ static void make_image(uint32_t width, uint32_t height, Image *image)
         }
 }
 
-typedef struct Drawn {
-    Buf text;
-    unsigned rows;
-    bool is_graphics;
-} Drawn;
-
-static Drawn draw(uint32_t width, uint32_t height, TerminalSize size, TerminalGraphics graphics, char **environment)
+static TerminalPicture draw(uint32_t width, uint32_t height, TerminalSize size, TerminalGraphics graphics,
+                            char **environment)
 {
-    Drawn drawn = {0};
+    TerminalPicture drawn = {.rows = 0};
     Image image;
     Error error;
     make_image(width, height, &image);
-    assert_int_equal(terminal_picture_draw(&image, &size, graphics, environment, &drawn.text, &drawn.rows,
-                                           &drawn.is_graphics, &error),
-                     STATUS_OK);
+    assert_int_equal(terminal_picture_draw(&image, &size, graphics, environment, &drawn, &error), STATUS_OK);
     image_clear(&image);
     return drawn;
 }
 
-static unsigned count(const Drawn *drawn, char byte)
+static unsigned count(const TerminalPicture *drawn, char byte)
 {
     unsigned n = 0;
     for (size_t i = 0; i < drawn->text.length; i++) n += drawn->text.text[i] == byte;
@@ -53,14 +46,14 @@ static void characters_keep_proportions(void **state)
 {
     (void)state;
     /* 2:1, in cells of 1:2: 80 columns and 20 rows */
-    Drawn wide = draw(400, 200, (TerminalSize){80, 40, 8, 16}, TERMINAL_SYMBOLS, plain);
+    TerminalPicture wide = draw(400, 200, (TerminalSize){80, 40, 8, 16}, TERMINAL_SYMBOLS, plain);
     assert_int_equal(wide.rows, 20);
     assert_int_equal(count(&wide, '\n'), wide.rows - 1);
     assert_false(wide.is_graphics);
     /* as high as there is room, and small pictures are made larger */
-    Drawn high = draw(20, 20, (TerminalSize){80, 10, 0, 0}, TERMINAL_SYMBOLS, plain);
+    TerminalPicture high = draw(20, 20, (TerminalSize){80, 10, 0, 0}, TERMINAL_SYMBOLS, plain);
     assert_int_equal(high.rows, 10);
-    Drawn tiny = draw(1000, 10, (TerminalSize){40, 40, 8, 16}, TERMINAL_SYMBOLS, plain);
+    TerminalPicture tiny = draw(1000, 10, (TerminalSize){40, 40, 8, 16}, TERMINAL_SYMBOLS, plain);
     assert_int_equal(tiny.rows, 1);
     buf_clear(&wide.text);
     buf_clear(&high.text);
@@ -70,7 +63,7 @@ static void characters_keep_proportions(void **state)
 static void colors_are_the_pictures(void **state)
 {
     (void)state;
-    Drawn drawn = draw(64, 64, (TerminalSize){16, 8, 8, 16}, TERMINAL_SYMBOLS, plain);
+    TerminalPicture drawn = draw(64, 64, (TerminalSize){16, 8, 8, 16}, TERMINAL_SYMBOLS, plain);
     assert_non_null(strstr(drawn.text.text, "255;0;0")); /* held to what a display has */
     assert_non_null(strstr(drawn.text.text, "0;0;255"));
     buf_clear(&drawn.text);
@@ -83,17 +76,18 @@ static void graphics_are_chosen(void **state)
 {
     (void)state;
     const TerminalSize size = {80, 24, 10, 20};
-    Drawn own = draw(100, 100, size, TERMINAL_BEST, kitty), none = draw(100, 100, size, TERMINAL_BEST, plain);
+    TerminalPicture own = draw(100, 100, size, TERMINAL_BEST, kitty), none = draw(100, 100, size, TERMINAL_BEST, plain);
     assert_true(own.is_graphics);
     assert_non_null(strstr(own.text.text, "\033_G"));
     assert_int_equal(own.rows, 5); /* no larger than its pixels */
     assert_false(none.is_graphics);
-    Drawn sixel = draw(100, 100, size, TERMINAL_SIXEL, plain), iterm2 = draw(100, 100, size, TERMINAL_ITERM2, plain),
-          kitty_asked = draw(100, 100, size, TERMINAL_KITTY, plain);
+    TerminalPicture sixel = draw(100, 100, size, TERMINAL_SIXEL, plain),
+                    iterm2 = draw(100, 100, size, TERMINAL_ITERM2, plain),
+                    kitty_asked = draw(100, 100, size, TERMINAL_KITTY, plain);
     assert_non_null(strstr(sixel.text.text, "\033P"));
     assert_non_null(strstr(iterm2.text.text, "\033]1337;"));
     assert_non_null(strstr(kitty_asked.text.text, "\033_G"));
-    Drawn *all[] = {&own, &none, &sixel, &iterm2, &kitty_asked};
+    TerminalPicture *all[] = {&own, &none, &sixel, &iterm2, &kitty_asked};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) buf_clear(&all[i]->text);
 }
 
