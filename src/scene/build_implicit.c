@@ -59,10 +59,12 @@ static Status make_blob(Builder *b, const EvalNode *node, Mesh **mesh, Span *spa
     (void)span;
     const EvalProp *tolerance = eval_prop(node, "tolerance");
     double reached = 0;
-    const BlobComponent *components = read_components(b, node);
-    if (!components) return STATUS_SCENE;
-    TRY(mesh_make_blob(components, node->n_children, eval_number(node, "threshold"),
-                       tolerance ? tolerance->as.number : 0, b->options->pool, mesh, &reached, error));
+    const BlobShape shape = {.components = read_components(b, node),
+                             .n = node->n_children,
+                             .threshold = eval_number(node, "threshold"),
+                             .tolerance = tolerance ? tolerance->as.number : 0};
+    if (!shape.components) return STATUS_SCENE;
+    TRY(mesh_make_blob(&shape, b->options->pool, mesh, &reached, error));
     if (tolerance) (void)check_reached(b, node, reached, tolerance->as.number);
     return STATUS_OK;
 }

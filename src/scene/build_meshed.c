@@ -377,15 +377,15 @@ static Status make_height_field(Builder *b, const EvalNode *node, Mesh **mesh, S
 {
     const EvalProp *image = eval_prop(node, "image"), *rows = eval_prop(node, "heights");
     float *heights = NULL;
-    uint32_t n_x = 0, n_z = 0;
+    HeightField field = {
+        .size = eval_vector(node, "size"), .base = eval_number(node, "base"), .smooth = eval_truth(node, "smooth")};
     *span = image ? image->span : rows->span;
     const char *path = image ? eval_find_file(&b->eval_options, b->diag, image->span, image->as.text) : NULL;
     if (image && !path) return STATUS_SCENE; /* reported */
-    Status status =
-        image ? image_heights(b, path, &heights, &n_x, &n_z, error) : list_heights(rows, &heights, &n_x, &n_z, error);
-    if (status == STATUS_OK)
-        status = mesh_make_height_field(heights, n_x, n_z, eval_vector(node, "size"), eval_number(node, "base"),
-                                        eval_truth(node, "smooth"), mesh, error);
+    Status status = image ? image_heights(b, path, &heights, &field.n_x, &field.n_z, error)
+                          : list_heights(rows, &heights, &field.n_x, &field.n_z, error);
+    field.heights = heights;
+    if (status == STATUS_OK) status = mesh_make_height_field(&field, mesh, error);
     free(heights);
     return status;
 }

@@ -188,9 +188,9 @@ static Status make_cells(Blob *blob, Error *error)
     return STATUS_OK;
 }
 
-static Status make_blob(Blob *blob, const BlobComponent *components, double tolerance, Pool *pool, Mesh **mesh,
-                        double *reached, Error *error)
+static Status make_blob(Blob *blob, const BlobShape *shape, Pool *pool, Mesh **mesh, double *reached, Error *error)
 {
+    const BlobComponent *components = shape->components;
     double smallest = HUGE_VAL;
     blob->bounds = box3_empty();
     for (size_t i = 0; i < blob->n_parts; i++) {
@@ -207,7 +207,7 @@ static Status make_blob(Blob *blob, const BlobComponent *components, double tole
     double extent = vec3_max_abs(vec3_sub(blob->bounds.max, blob->bounds.min));
     const ImplicitField field = {blob, blob_layer, blob_value, blob_value, blob_gradient, NULL};
     const ImplicitOptions options = {.bounds = blob->bounds,
-                                     .tolerance = tolerance > 0 ? tolerance : extent / 4000,
+                                     .tolerance = shape->tolerance > 0 ? shape->tolerance : extent / 4000,
                                      .cells = (uint32_t)fmin(fmax(48, 10 * extent / smallest), 1000),
                                      .max_points = 20000000,
                                      .pool = pool};
@@ -217,14 +217,13 @@ static Status make_blob(Blob *blob, const BlobComponent *components, double tole
     return status;
 }
 
-Status mesh_make_blob(const BlobComponent *components, size_t n, double threshold, double tolerance, Pool *pool,
-                      Mesh **mesh, double *reached, Error *error)
+Status mesh_make_blob(const BlobShape *shape, Pool *pool, Mesh **mesh, double *reached, Error *error)
 {
-    Blob blob = {.n_parts = n, .threshold = threshold};
-    if (n == 0) return fail(error, STATUS_SCENE, "the blob has no components");
-    blob.parts = malloc(n * sizeof *blob.parts);
-    if (!blob.parts) return fail_memory(error, n * sizeof *blob.parts, "a blob");
-    Status status = make_blob(&blob, components, tolerance, pool, mesh, reached, error);
+    Blob blob = {.n_parts = shape->n, .threshold = shape->threshold};
+    if (shape->n == 0) return fail(error, STATUS_SCENE, "the blob has no components");
+    blob.parts = malloc(shape->n * sizeof *blob.parts);
+    if (!blob.parts) return fail_memory(error, shape->n * sizeof *blob.parts, "a blob");
+    Status status = make_blob(&blob, shape, pool, mesh, reached, error);
     free(blob.parts);
     free(blob.first);
     free(blob.items);

@@ -65,8 +65,13 @@ typedef struct BlobComponent {
     double radius, strength;
 } BlobComponent;
 
-/* Where the densities add up to more than the threshold. tolerance 0: a 4000th of its extent. */
-ATTR_NODISCARD Status mesh_make_blob(const BlobComponent *components, size_t n, double threshold, double tolerance,
-                                     Pool *pool, Mesh **mesh, double *reached, Error *error);
+/* Where the densities add up to more than the threshold. */
+typedef struct BlobShape {
+    const BlobComponent *components;
+    size_t n;
+    double threshold, tolerance; /* tolerance 0: a 4000th of its extent */
+} BlobShape;
+/* reached: the tolerance that is kept. */
+ATTR_NODISCARD Status mesh_make_blob(const BlobShape *shape, Pool *pool, Mesh **mesh, double *reached, Error *error);
 
 #endif

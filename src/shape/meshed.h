@@ -64,9 +64,14 @@ ATTR_NODISCARD Status mesh_make_superellipsoid(double e, double n, Vec3 radii, d
 /* ---- height fields (height_field.c) ---- */
 
 /* Heights over a grid of n_x times n_z points, row after row, x within a row, that fills 0 .. size.x and 0 .. size.z;
- * a height of 1 stands for size.y. Sides go down to the height `base` (in units of y), where all heights must be
- * above. smooth: with normals of the surface through the points; else flat triangles. */
-ATTR_NODISCARD Status mesh_make_height_field(const float *heights, uint32_t n_x, uint32_t n_z, Vec3 size, double base,
-                                             bool smooth, Mesh **mesh, Error *error);
+ * a height of 1 stands for size.y. */
+typedef struct HeightField {
+    const float *heights;
+    uint32_t n_x, n_z;
+    Vec3 size;
+    double base; /* the height that its sides go down to, below all others */
+    bool smooth; /* with normals of the surface through the points; else flat triangles */
+} HeightField;
+ATTR_NODISCARD Status mesh_make_height_field(const HeightField *field, Mesh **mesh, Error *error);
 
 #endif
