@@ -17,6 +17,8 @@
 #define UNKNOWN 0.05f
 /* Part of the directions that is chosen broadly. */
 #define BROAD 0.15f
+/* The same of the lobe for all, where others are broad, too. */
+#define LEAST_BROAD 0.1f
 /* Where colours go farther apart than this, in radians, as behind a prism, lobes are not trusted by what photons of other colours
  * say: errors there were a fifth larger with that. The colours of water are nearer. */
 #define PARTED 0.01f
@@ -65,25 +67,53 @@ static void in_plane(const GuideLobe *lobe, Vec3f direction, float p[2])
     p[1] = stretch * vec3f_dot(lobe->y, direction);
 }
 
+/* Directions that a lobe is laid around: first all of them are added up, and then, as they are again, their spreads. */
+typedef struct Bundle {
+    GuideLobe lobe;
+    Vec3f sum;
+    float flux;
+} Bundle;
+
+static void bundle_add(Bundle *bundle, const Photon *photon, float flux)
+{
+    bundle->sum = vec3f_along(bundle->sum, flux, photon->from);
+    bundle->flux += flux;
+}
+
+/* All are added; any: one of them. */
+static void bundle_turn(Bundle *bundle, const Photon *any)
+{
+    bool has_middle = vec3f_length(bundle->sum) > 1e-3f * bundle->flux;
+    bundle->lobe = (GuideLobe){.axis = has_middle ? vec3f_normalize(bundle->sum) : any->from};
+    sampling_basis(bundle->lobe.axis, &bundle->lobe.x, &bundle->lobe.y);
+}
+
+static void bundle_spread(Bundle *bundle, const Photon *photon, float flux)
+{
+    float w = flux / bundle->flux, p[2];
+    in_plane(&bundle->lobe, photon->from, p);
+    bundle->lobe.xx += w * p[0] * p[0];
+    bundle->lobe.xy += w * p[0] * p[1];
+    bundle->lobe.yy += w * p[1] * p[1];
+}
+
+/* wider: than they spread, squared. */
+static GuideLobe bundle_lobe(const Bundle *bundle, float wider)
+{
+    const float more = 0.02f * 0.02f;
+    GuideLobe lobe = bundle->lobe;
+    lobe.xx = wider * lobe.xx + more, lobe.xy *= wider, lobe.yy = wider * lobe.yy + more;
+    return lobe;
+}
+
 /* A lobe around all directions. */
 static GuideLobe lobe_of_all(const Photon *photons, uint32_t n)
 {
-    Vec3f sum = vec3f(0, 0, 0);
-    float flux = 0, xx = 0, xy = 0, yy = 0;
-    for (uint32_t i = 0; i < n; i++) {
-        sum = vec3f_along(sum, photon_flux_there(&photons[i]), photons[i].from);
-        flux += photon_flux_there(&photons[i]);
-    }
-    GuideLobe lobe = {.axis = vec3f_length(sum) > 1e-3f * flux ? vec3f_normalize(sum) : photons[0].from};
-    sampling_basis(lobe.axis, &lobe.x, &lobe.y);
-    for (uint32_t i = 0; i < n; i++) {
-        float w = photon_flux_there(&photons[i]) / flux, p[2];
-        in_plane(&lobe, photons[i].from, p);
-        xx += w * p[0] * p[0], xy += w * p[0] * p[1], yy += w * p[1] * p[1];
-    }
-    const float more = 0.02f * 0.02f;
-    lobe.xx = 2 * xx + more, lobe.xy = 2 * xy, lobe.yy = 2 * yy + more;
-    return lobe;
+    Bundle bundle = {.flux = 0};
+    for (uint32_t i = 0; i < n; i++) bundle_add(&bundle, &photons[i], photon_flux_there(&photons[i]));
+    bundle_turn(&bundle, photons);
+    for (uint32_t i = 0; i < n; i++) bundle_spread(&bundle, &photons[i], photon_flux_there(&photons[i]));
+    return bundle_lobe(&bundle, 2);
 }
 
 /* ---- sheets ---- */
@@ -370,6 +400,146 @@ static float deal_out_near(const GuidePhotons *cell, const GuideLobe *lobes, She
     return sum;
 }
 
+/* ---- what is narrow of it ---- */
+
+/* Photons of which the cell's lobes are not made: so they say how good these are. */
+typedef struct Held {
+    const Photon *photons[3 * HELD_TO];
+    float flux[3 * HELD_TO];
+    uint32_t n;
+} Held;
+
+/* Some of n more, each of which counts as `part`. */
+static void hold(Held *held, const Photon *photons, uint32_t n, float part)
+{
+    uint32_t full = held->n + HELD_TO;
+    for (uint32_t i = 0; i < n && held->n < full; i++) {
+        if (photons[i].lobe) continue;
+        held->photons[held->n] = &photons[i];
+        held->flux[held->n++] = part * photon_flux_there(&photons[i]);
+    }
+}
+
+/* What comes by one way, that of photon number `first`. */
+typedef struct Way {
+    uint32_t first, n;
+    float flux;
+} Way;
+
+/* The ways by which most light comes, of those of enough photons. */
+static uint32_t find_ways(const Held *held, Way ways[GUIDE_CELL_WAYS])
+{
+    enum { FEWEST = 8 };
+    bool told[3 * HELD_TO] = {false};
+    uint32_t n_ways = 0;
+    for (uint32_t i = 0; i < held->n; i++) {
+        Way way = {.first = i};
+        for (uint32_t k = i; k < held->n && !told[i]; k++) {
+            if (held->photons[k]->way != held->photons[i]->way) continue;
+            told[k] = k > i;
+            way.flux += held->flux[k];
+            way.n++;
+        }
+        if (way.n < FEWEST) continue;
+        uint32_t at = n_ways; /* the brightest first */
+        for (; at > 0 && ways[at - 1].flux < way.flux; at--)
+            if (at < GUIDE_CELL_WAYS) ways[at] = ways[at - 1];
+        if (at < GUIDE_CELL_WAYS) ways[at] = way;
+        n_ways += n_ways < GUIDE_CELL_WAYS;
+    }
+    return n_ways;
+}
+
+static GuideLobe lobe_of_way(const Held *held, const Way *way)
+{
+    const uint32_t number = held->photons[way->first]->way;
+    Bundle bundle = {.flux = 0};
+    for (uint32_t i = way->first; i < held->n; i++)
+        if (held->photons[i]->way == number) bundle_add(&bundle, held->photons[i], held->flux[i]);
+    bundle_turn(&bundle, held->photons[way->first]);
+    for (uint32_t i = way->first; i < held->n; i++)
+        if (held->photons[i]->way == number) bundle_spread(&bundle, held->photons[i], held->flux[i]);
+    return bundle_lobe(&bundle, 1.3f + 4 / (float)way->n); /* few say less of how far it goes */
+}
+
+/* What directions are chosen by: a cell's narrow lobes together, those of ways, and the one for all. */
+enum { NARROW, FIRST_BROAD, CHOICES = FIRST_BROAD + GUIDE_CELL_WAYS + 1 };
+
+/* The density that each of these has, chosen alone, of the direction of a photon. narrow: the narrow ones, of which there are
+ * n_narrow; broad: the n_broad others. */
+static void densities_of(const GuideFour *narrow, uint32_t n_narrow, const GuideFour *broad, uint32_t n_broad,
+                         GuidePlace place, Vec3f direction, float pdf[CHOICES])
+{
+    pdf[NARROW] = n_narrow > 0 ? guide_lobes_pdf(narrow, n_narrow, place, direction) : 0;
+    for (uint32_t k = 0; k < n_broad; k++) pdf[FIRST_BROAD + k] = guide_lobes_pdf(&broad[k], 1, place, direction);
+}
+
+/* How often each is to be chosen, so that they foretell the held photons best: by expectation maximisation (A. P. Dempster, N. M.
+ * Laird, D. B. Rubin, "Maximum Likelihood from Incomplete Data via the EM Algorithm", 1977). parts: where it begins, and ends. */
+static void find_parts(const Held *held, float pdf[][CHOICES], uint32_t n, float parts[CHOICES])
+{
+    enum { ROUNDS = 12 };
+    for (int round = 0; round < ROUNDS; round++) {
+        float sums[CHOICES] = {0}, flux = 0;
+        for (uint32_t i = 0; i < held->n; i++) {
+            float whole = 1e-20f;
+            for (uint32_t k = 0; k < n; k++) whole += parts[k] * pdf[i][k];
+            for (uint32_t k = 0; k < n; k++) sums[k] += held->flux[i] * parts[k] * pdf[i][k] / whole;
+            flux += held->flux[i];
+        }
+        for (uint32_t k = 0; k < n; k++) parts[k] = sums[k] / flux;
+    }
+}
+
+/* Light of a large lamp that comes through waves, or by ways of which a cell has met few, is mostly not where narrow lobes have it: each
+ * of these holds for a small part of the lamp. Then lobes around all that comes by one way are chosen, too. (The squared error of
+ * sand under waves in the light of a tank's lamp is half of what it was; where narrow lobes are right, as in the sun, others
+ * make it larger by a tenth.) Lays these lobes behind n_narrow narrow ones, whose weights are those among
+ * themselves; broad: what the lobe for all has of all by the rule above. Returns how many lobes there are. */
+static uint32_t add_broad(const GuidePhotons *cell, uint32_t n_narrow, float broad, GuideLobe *lobes)
+{
+    const float right = 0.4f;
+    GuideFour narrow[GUIDE_CELL_FOURS], alone[GUIDE_CELL_WAYS + 1];
+    GuideLobe *others = lobes + n_narrow;
+    Held held = {.n = 0};
+    Way ways[GUIDE_CELL_WAYS];
+    float pdf[3 * HELD_TO][CHOICES], parts[CHOICES] = {1 - broad};
+    hold(&held, cell->photons, cell->n, 1);
+    for (int side = 0; side < 2; side++) hold(&held, cell->near[side].photons, cell->near[side].n, cell->near_part);
+    uint32_t n_ways = find_ways(&held, ways), n_broad = n_ways + 1;
+    for (uint32_t k = 0; k < n_ways; k++) others[k] = lobe_of_way(&held, &ways[k]);
+    others[n_ways] = lobe_of_all(cell->photons, cell->n);
+    for (uint32_t k = 0; k < n_broad; k++) {
+        others[k].weight = others[k].cumulative = 1;
+        others[k].n_sheet = 1;
+        parts[FIRST_BROAD + k] = broad / (float)n_broad;
+        guide_lay_in_fours(&others[k], 1, &alone[k]);
+    }
+    if (n_ways > 0) {
+        if (n_narrow > 0) guide_lay_in_fours(lobes, n_narrow, narrow);
+        for (uint32_t i = 0; i < held.n; i++)
+            densities_of(narrow, n_narrow, alone, n_broad, place_of(held.photons[i], cell->origin),
+                         held.photons[i]->from, pdf[i]);
+        find_parts(&held, pdf, FIRST_BROAD + n_broad, parts);
+    }
+    if (n_ways == 0 || parts[NARROW] > right) {
+        others[0] = others[n_ways];
+        n_broad = 1;
+        parts[NARROW] = 1 - broad;
+        parts[FIRST_BROAD] = broad;
+    } else {
+        for (uint32_t k = 0; k < FIRST_BROAD + n_broad; k++) parts[k] *= 1 - LEAST_BROAD;
+        parts[n_broad] += LEAST_BROAD;
+    }
+    float sum = n_narrow > 0 ? parts[NARROW] : 0;
+    for (uint32_t i = 0; i < n_narrow; i++) lobes[i].weight *= parts[NARROW], lobes[i].cumulative *= parts[NARROW];
+    for (uint32_t k = 0; k < n_broad; k++) {
+        others[k].weight = parts[FIRST_BROAD + k];
+        others[k].cumulative = sum += parts[FIRST_BROAD + k];
+    }
+    return n_narrow + n_broad;
+}
+
 uint32_t guide_fit(GuidePhotons *cell, GuideLobe *lobes)
 {
     Sheet sheets[GUIDE_CELL_LOBES];
@@ -385,7 +555,7 @@ uint32_t guide_fit(GuidePhotons *cell, GuideLobe *lobes)
     total = flux_of(cell->photons, cell->n);
     float broad = BROAD + (1 - BROAD) * lost / total, of_sheets = deal_out_near(cell, lobes, sheets, n_sheets);
     for (const Sheet *sheet = sheets; sheet < sheets + n_sheets; sheet++) {
-        float weight = of_sheets > 0 ? sheet->flux * (1 - broad) / of_sheets : 0;
+        float weight = of_sheets > 0 ? sheet->flux / of_sheets : 0;
         sum += weight;
         for (uint32_t i = sheet->first; i < sheet->end; i++) {
             lobes[i].weight = weight;
@@ -394,9 +564,5 @@ uint32_t guide_fit(GuidePhotons *cell, GuideLobe *lobes)
             lobes[i].bend = bend_of(cell, lobes, fours, sheet, i, size);
         }
     }
-    lobes[n_known] = lobe_of_all(cell->photons, cell->n);
-    lobes[n_known].weight = broad;
-    lobes[n_known].cumulative = sum + broad;
-    lobes[n_known].n_sheet = 1;
-    return n_known + 1;
+    return add_broad(cell, n_known, broad, lobes);
 }

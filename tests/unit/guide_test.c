@@ -209,6 +209,47 @@ static void sheets(void **state)
         assert_true(fabs(sums[k] - 1) < 5 * sqrt((squares[k] - sums[k] * sums[k]) / SAMPLES) + 1e-3);
 }
 
+/* A large lamp through waves: light from all of two squares of directions, by a way each, of which every photon that was looked
+ * around at claims a small part. What comes from elsewhere in wide ones is foretold all the same; and where the squares are as
+ * small as that, by such photons alone. */
+static void waves(void **state)
+{
+    (void)state;
+    enum { N = 160, KNOWN = 24 };
+    const float halves[2] = {0.3f, 0.01f}, spread = 0.01f * 0.01f / 3;
+    Photon photons[N];
+    for (int right = 0; right < 2; right++) {
+        const float half = halves[right];
+        for (int i = 0; i < N; i++) {
+            float x = half * dice_between(-1, 1), y = half * dice_between(-1, 1);
+            Vec3f axis = vec3f_normalize(i % 2 ? vec3f(-.5f, .8f, 0) : vec3f(.5f, .8f, .2f)), u, v;
+            sampling_basis(axis, &u, &v);
+            photons[i] = (Photon){.position = {dice(), 0, dice()},
+                                  .from = vec3f_normalize(vec3f_along(vec3f_along(axis, x, u), y, v)),
+                                  .flux = 1,
+                                  .way = (uint32_t)i % 2,
+                                  .spread = {spread, 0, spread},
+                                  .number = (uint32_t)i,
+                                  .lobe = i < KNOWN};
+        }
+        GuideLobe lobes[GUIDE_CELL_LOBES];
+        GuideFour fours[GUIDE_CELL_FOURS];
+        const Vec3f origin = vec3f(.5f, 0, .5f);
+        uint32_t n = fit(photons, KNOWN, N, origin, lobes);
+        guide_lay_in_fours(lobes, n, fours);
+        assert_near((double)lobes[n - 1].cumulative, 1, 1e-5);
+        double sum = 0, even = 1 / (2 * pow(2 * (double)half, 2)); /* the density of both */
+        for (int i = KNOWN; i < N; i++) {
+            GuidePlace place = {vec3f_along(photons[i].position, -1, origin), 0};
+            sum += log((double)guide_lobes_pdf(fours, n, place, photons[i].from)) / (N - KNOWN);
+        }
+        printf("    two %s squares: %u lobes, %.2f of the choices narrow; %.2f of the even density\n",
+               right ? "small" : "wide", n, (double)lobes[KNOWN - 1].cumulative, exp(sum) / even);
+        assert_int_equal(n, KNOWN + (right ? 1 : 3));
+        assert_true(exp(sum) > (right ? 0.3 : 0.5) * even);
+    }
+}
+
 /* Where light is folded the lobe that is nearest may be of another sheet, and sure of itself: one that is a little less sure, and knows
  * better, has to be asked as well. */
 static void folds(void **state)
@@ -817,11 +858,11 @@ static void walks(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(densities), cmocka_unit_test(sheets), cmocka_unit_test(folds),    cmocka_unit_test(doubts),
-        cmocka_unit_test(corners),   cmocka_unit_test(sides),  cmocka_unit_test(borrowed), cmocka_unit_test(missed),
-        cmocka_unit_test(keenness),  cmocka_unit_test(levels), cmocka_unit_test(flux),     cmocka_unit_test(looked_for),
-        cmocka_unit_test(bulbs),     cmocka_unit_test(lenses), cmocka_unit_test(hues),     cmocka_unit_test(beams),
-        cmocka_unit_test(walks),     cmocka_unit_test(tiles),
+        cmocka_unit_test(densities),  cmocka_unit_test(sheets),   cmocka_unit_test(waves),  cmocka_unit_test(folds),
+        cmocka_unit_test(doubts),     cmocka_unit_test(corners),  cmocka_unit_test(sides),  cmocka_unit_test(borrowed),
+        cmocka_unit_test(missed),     cmocka_unit_test(keenness), cmocka_unit_test(levels), cmocka_unit_test(flux),
+        cmocka_unit_test(looked_for), cmocka_unit_test(bulbs),    cmocka_unit_test(lenses), cmocka_unit_test(hues),
+        cmocka_unit_test(beams),      cmocka_unit_test(walks),    cmocka_unit_test(tiles),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
