@@ -98,7 +98,7 @@ static void report_one(const CompiledScene *compiled, const FirstContact *group,
     buf_clear(&gap);
 }
 
-/* Liquids wet what they touch, and gases have no surface. Where memory ends there is no remark. */
+/* Liquids wet what they touch, and gases have no surface, nor has what mixes. Where memory ends there is no remark. */
 void report_contacts(const CompiledScene *compiled, Diag *diag)
 {
     Probe probe;
@@ -110,7 +110,8 @@ void report_contacts(const CompiledScene *compiled, Diag *diag)
     if (n_lines > LINES) n_lines = LINES;
     for (uint32_t h = 0; good && any && h < compiled->n_hulls; h++) {
         Contact contact;
-        if (compiled->hulls[h].state == NEST_LIQUID || compiled->hulls[h].state == NEST_GAS) continue;
+        const NestHull *hull = &compiled->hulls[h];
+        if (hull->state == NEST_LIQUID || hull->state == NEST_GAS || hull->mixes) continue;
         good = find_contact(compiled, &probe, h, n_lines, &contact);
         if (good && contact.n > 0 && contact.n < LEAST_ENDS)
             good = find_contact(compiled, &probe, h, MORE_LINES, &contact);
