@@ -240,9 +240,21 @@ static void values_without_names(Parser *parser, const Path *first)
     if (!parser->panic) calm_down(parser);
 }
 
+/* center = <0, a > b ? 1 : 2, 0>: the comparison's sign has ended the vector. */
+static bool is_cut_vector(Parser *parser)
+{
+    Look look;
+    look_from(parser, &look);
+    if (parser->previous != TOKEN_GREATER || lexer_next(&look.lexer).kind != TOKEN_QUESTION) return false;
+    Diagnostic *report = syntax_error(parser, token_span(parser), "'>' has ended the vector before this");
+    diag_hint(parser->diag, report, "a comparison within '<' and '>' stands in brackets: <0, (a > b ? 1 : 2), 0>");
+    return true;
+}
+
 bool parse_value_habit(Parser *parser)
 {
     if (!parser->node || !starts_value(parser)) return false;
+    if (is_cut_vector(parser)) return true;
     values_without_names(parser, NULL);
     return true;
 }
