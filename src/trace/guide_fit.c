@@ -426,7 +426,9 @@ typedef struct Way {
     float flux;
 } Way;
 
-/* The ways by which most light comes, of those of enough photons. */
+/* The ways by which most light comes, of those of enough photons. None by rough surfaces: what a photon says holds for one way by their
+ * facets there, and with lobes around all, a wall behind a lamp in frosted glass had dark rectangles, of few samples that were
+ * far too bright. */
 static uint32_t find_ways(const Held *held, Way ways[GUIDE_CELL_WAYS])
 {
     enum { FEWEST = 8 };
@@ -434,7 +436,7 @@ static uint32_t find_ways(const Held *held, Way ways[GUIDE_CELL_WAYS])
     uint32_t n_ways = 0;
     for (uint32_t i = 0; i < held->n; i++) {
         Way way = {.first = i};
-        for (uint32_t k = i; k < held->n && !told[i]; k++) {
+        for (uint32_t k = i; k < held->n && !told[i] && held->photons[i]->way % 2 == 0; k++) {
             if (held->photons[k]->way != held->photons[i]->way) continue;
             told[k] = k > i;
             way.flux += held->flux[k];
@@ -493,8 +495,8 @@ static void find_parts(const Held *held, float pdf[][CHOICES], uint32_t n, float
 
 /* Light of a large lamp that comes through waves, or by ways of which a cell has met few, is mostly not where narrow lobes have it: each
  * of these holds for a small part of the lamp. Then lobes around all that comes by one way are chosen, too. (The squared error of
- * sand under waves in the light of a tank's lamp is half of what it was; where narrow lobes are right, as in the sun, others
- * make it larger by a tenth.) Lays these lobes behind n_narrow narrow ones, whose weights are those among
+ * sand under waves in the light of a tank's lamp is half of what it was; where narrow lobes are right, as in the sun, others make
+ * it larger by a tenth.) Lays these lobes behind n_narrow narrow ones, whose weights are those among
  * themselves; broad: what the lobe for all has of all by the rule above. Returns how many lobes there are. */
 static uint32_t add_broad(const GuidePhotons *cell, uint32_t n_narrow, float broad, GuideLobe *lobes)
 {

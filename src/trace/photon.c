@@ -44,6 +44,7 @@ static bool follow_photon(Path *path, const LightSample *light, float flux, Phot
     const Ray begin = path->ray;
     const Scene *scene = path->tracer->world->scene;
     bool bent = false;
+    uint32_t rough = 0;
     uint64_t way = 0;
     for (int i = 0; i < MOST_EVENTS; i++, path->bounce++) {
         Event event;
@@ -75,8 +76,9 @@ static bool follow_photon(Path *path, const LightSample *light, float flux, Phot
         }
         uint64_t step = event.kind == EVENT_SCATTER ? 0 : 2 * (uint64_t)event.hit.object + 1;
         way = hash_u64(way ^ hash_u64(4 * step + 2 * goes_on + (vec3f_dot(path->ray.direction, event.hit.normal) > 0)));
-        photon->way = (uint32_t)(way >> 32);
+        photon->way = ((uint32_t)(way >> 32) & ~1U) | rough;
         if (!goes_on) return was_bent;
+        rough |= path->scatter_pdf > 0;
         /* what comes through panes alone is found by looking at the light; of slabs only their far side tells */
         bent = bent || !straight;
     }

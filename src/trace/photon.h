@@ -39,8 +39,9 @@ typedef struct Photon {
     float hue[2];    /* and how the mean at a place changes with that, as far as to first order; */
     float hue_bend;  /* away from that it does with the square of the colour, in radians */
     uint32_t number; /* of all that were followed */
-    uint32_t way;    /* the same for those that met the same surfaces, and did the same there */
-    uint32_t lobe;   /* 1: photons_look_around was here */
+    uint32_t
+        way; /* the same for those that met the same surfaces, and did the same there; odd: some of these are rough */
+    uint32_t lobe; /* 1: photons_look_around was here */
     /* far parts of a sea fill little of the picture, so that their flux counts less: it is 1 + more times that */
     float more;
 } Photon;

@@ -227,7 +227,7 @@ static void waves(void **state)
             photons[i] = (Photon){.position = {dice(), 0, dice()},
                                   .from = vec3f_normalize(vec3f_along(vec3f_along(axis, x, u), y, v)),
                                   .flux = 1,
-                                  .way = (uint32_t)i % 2,
+                                  .way = 2 * ((uint32_t)i % 2),
                                   .spread = {spread, 0, spread},
                                   .number = (uint32_t)i,
                                   .lobe = i < KNOWN};
