@@ -29,12 +29,9 @@ void path_add_radiance(Path *path, Lanes factor, Lanes basic)
     if (UNLIKELY(path->tracer->ledger)) path_note_found(path, more);
 }
 
-/* What is behind a mask is not what is behind its mean: paths that come right from where they were scattered see it as sharp as looks
- * for lights do, which are weighed against them. */
 static float mix_weight(const Path *path, const Event *event, const SceneSurface *surface)
 {
-    double width = path->scatter_pdf > 0 ? 0 : (double)path->cone_width;
-    return texture_mix_weight(path->tracer->world, surface, &path->ray, &event->hit, width);
+    return texture_mix_weight(path->tracer->world, surface, &path->ray, &event->hit, path_footprint(path, true));
 }
 
 ATTR_APART const SceneSurface *path_surface_of_mix(const Path *path, const Event *event, const SceneSurface *surface)

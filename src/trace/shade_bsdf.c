@@ -355,14 +355,14 @@ bool path_shade_finished(Path *path, Event *event, const SceneSurface *surface, 
     return scatter(path, event, &bsdf, place, &frame, straight);
 }
 
-/* What a pane, or the panes in a mix, leave of a straight ray that hits them at an angle of that cosine. */
+/* What a pane, or the panes in a mix, leave of a straight ray that hits them at an angle of that cosine; sharp, see path_footprint. */
 static Lanes pass_sheet(const Path *path, const Ray *ray, const Hit *hit, const SceneSurface *surface, Lanes around,
                         float cosine)
 {
     const World *world = path->tracer->world;
     const SceneSurface *surfaces = world->scene->surfaces;
     if (surface->mixed) {
-        float weight = texture_mix_weight(world, surface, ray, hit, (double)path->cone_width);
+        float weight = texture_mix_weight(world, surface, ray, hit, 0);
         Lanes left = lanes_all(0);
         for (int i = 0; i < 2; i++) {
             float part = i ? weight : 1 - weight;
@@ -376,7 +376,7 @@ static Lanes pass_sheet(const Path *path, const Ray *ray, const Hit *hit, const 
     const BsdfSpec *spec = &surface->spec;
     BsdfSpec textured;
     if (surface->n_textures) {
-        texture_read_spec(world, surface, ray, hit, (double)path->cone_width, path->wavelengths.nm, &textured);
+        texture_read_spec(world, surface, ray, hit, 0, path->wavelengths.nm, &textured);
         spec = &textured;
     }
     Bsdf bsdf;

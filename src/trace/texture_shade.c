@@ -191,7 +191,8 @@ void path_read_textures(const Path *path, const Event *event, const SceneSurface
                         Lanes wavelength_nm, BsdfSpec *spec)
 {
     TextureView view;
-    texture_view(path->tracer->world, surface, &path->ray, &event->hit, (double)path->cone_width, &view);
+    double footprint = path_footprint(path, surface_is_pane(surface));
+    texture_view(path->tracer->world, surface, &path->ray, &event->hit, footprint, &view);
     read_spec(path->tracer->world->scene, surface, &view.at, wavelength_nm, spec);
     if (surface_has_relief(surface)) add_relief(path, event, surface, &view, place);
 }

@@ -9,6 +9,13 @@
 void path_reach(Path *path, const Event *event);
 /* Where the path goes on after an event: the cone around it widens with the directions that it could have taken. */
 void path_widen(Path *path);
+/* The size of what need not be told apart of a surface that a path has come to. mask: light goes through parts of it. What is behind a
+ * mask is not what is behind its mean: paths that come right from where they were scattered see it as sharp as looks for lights
+ * do, which are weighed against them. */
+static inline double path_footprint(const Path *path, bool mask)
+{
+    return mask && path->scatter_pdf > 0 ? 0 : (double)path->cone_width;
+}
 /* A shading normal such that nothing that comes from `view` is mirrored into the surface. */
 Vec3f path_bend_normal(Vec3f view, Vec3f geometric, Vec3f normal);
 /* What bumps and normal maps make of the shading normal; footprint: the size of what need not be told apart. At smooth

@@ -202,6 +202,11 @@ static void as_by_chance(void **state)
          "box { from = <-9, 10, -9>  to = <9, 10.01, 9>  surface = surface { weight = checker { scale(2.2) "
          "translate(<1.1, 0, 1.1>) }  mix = [pane, surface { albedo = 0 }] } }",
          false},
+        {"quad, a painted sheet",
+         "light { from = <0, 30, 0>  to = <0, 0, 0>  size = <14, 14>  radiance = 8 }\n"
+         "box { from = <-9, 10, -9>  to = <9, 10.01, 9>  surface = surface { thin = true  ior = 1.5  roughness = 0  "
+         "transmission = checker { from = 0  to = 1  scale(2.2)  translate(<1.1, 0, 1.1>) } } }",
+         false},
         {"shining box, a pane",
          "box { from = <0, 20, 0>  to = <8, 28, 6>  rotate(<10, 20, 30>)  surface = surface { albedo = .5  emission = "
          "1  radiance = 4 } }\n"
