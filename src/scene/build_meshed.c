@@ -183,7 +183,8 @@ static Status make_prism(Builder *b, const EvalNode *node, Mesh **mesh, Span *sp
         return fail(error, STATUS_SCENE, "both ends of this prism are scaled to 0");
     if (shape.bevel > 0 && (shape.scale_from != 1 || shape.scale_to != 1)) {
         *span = build_span(node, "bevel");
-        return fail(error, STATUS_SCENE, "a prism whose ends are scaled takes no bevel: leave it out, or cut the edges by an intersection");
+        return fail(error, STATUS_SCENE,
+                    "a prism whose ends are scaled takes no bevel: leave it out, or cut the edges by an intersection");
     }
     Outline2 outline = {0};
     Grower grower = {0};

@@ -31,9 +31,9 @@ typedef struct GuideLobe {
 } GuideLobe;
 
 enum {
-    GUIDE_CELL_KNOWN = 32,                                     /* of its own, */
-    GUIDE_CELL_LENT = 16,                                      /* those that others lend it, */
-    GUIDE_CELL_WAYS = 3,                                       /* each around all of what comes by one way, */
+    GUIDE_CELL_KNOWN = 32, /* of its own, */
+    GUIDE_CELL_LENT = 16,  /* those that others lend it, */
+    GUIDE_CELL_WAYS = 3,   /* each around all of what comes by one way, */
     GUIDE_CELL_LOBES = GUIDE_CELL_KNOWN + GUIDE_CELL_LENT + GUIDE_CELL_WAYS + 1, /* and one for all */
     GUIDE_CELL_FOURS = GUIDE_CELL_LOBES / LANES + 1
 };

@@ -21,7 +21,8 @@ typedef struct LampWay {
     uint64_t numbers[SLAB_FACES]; /* see slabs_face */
     uint32_t n;
     bool disperses; /* the indices of some change with the wavelength */
-    bool past;      /* something opaque stands in the straight way */
+    bool blocked;   /* something opaque stands in the straight way, */
+    bool past;      /* which was looked past */
 } LampWay;
 
 /* ---- the faces ---- */
@@ -52,6 +53,7 @@ static bool cross_straight(Path *look, const Ray *ray, const Hit *hits, size_t n
         if (scene_is_painted(world->scene, hits[i].object)) return false;
     if (n > 1 && nest_list_copy(&tracer->next, &tracer->list) != STATUS_OK) tracer->out_of_memory = true;
     if (!path_cross(tracer, &tracer->list, hits, n, &crossing)) tracer->out_of_memory = true;
+    way->blocked |= crossing.opaque;
     if (tracer->out_of_memory || crossing.n_faults || crossing.opaque) return false;
     if (crossing.medium_from == crossing.medium_to) return true; /* panes are crossed likewise */
     Lanes eta_i = path_ior(look, crossing.medium_from), eta_t = path_ior(look, crossing.medium_to);
@@ -66,38 +68,39 @@ static bool has_slab(const World *world, const Hit *hits, size_t n)
     return false;
 }
 
-/* The faces on the look's ray, which ends at a light; false: something is in the way that no look goes through, and *blocked: it is
- * opaque. past: only flat bodies count. */
-static bool find_faces(Path *look, bool past, LampWay *way, bool *blocked)
+/* The faces on the look's ray, which ends at a light; false: something is in the way that no look goes through. past: only flat
+ * bodies count. */
+static bool find_faces(Path *look, bool past, LampWay *way)
 {
     Tracer *tracer = look->tracer;
     const HitList *all = &tracer->shadow_hits;
     way->n = 0;
-    way->disperses = way->past = false;
+    way->disperses = false;
+    way->past = past;
     tracer->counters.rays++;
-    *blocked = !rtc_all(tracer->world->compiled->rtc, &look->ray, !past, &tracer->shadow_hits);
-    for (size_t i = 0, n; i < all->n && !*blocked; i += n) {
+    way->blocked = !rtc_all(tracer->world->compiled->rtc, &look->ray, !past, &tracer->shadow_hits);
+    for (size_t i = 0, n; i < all->n && !way->blocked; i += n) {
         n = rtc_cluster(all->items + i, all->n - i);
         if (past && !has_slab(tracer->world, all->items + i, n)) continue;
         if (!cross_straight(look, &look->ray, all->items + i, n, way)) return false;
     }
-    return !*blocked;
+    return !way->blocked;
 }
 
 /* The same past what stands in the straight way, as the light's own may well be free: always to a lamp that is not found otherwise,
  * and to others where light is bent much, by the part of the looks that *often becomes. u: in [0, 1). */
 static bool find_faces_past(Path *look, bool delta, float u, LampWay *way, float *often)
 {
-    const World *world = look->tracer->world;
-    bool blocked;
+    Tracer *tracer = look->tracer;
+    NestList *list = &tracer->list, *begin = &tracer->shadow_list;
     *often = 1;
-    if (find_faces(look, delta, way, &blocked)) return true;
-    if (!blocked || !compiled_indices_differ(world->scene, nest_medium(&look->tracer->list), WORLD_MEDIUM))
-        return false;
+    if (delta) return find_faces(look, true, way);
+    if (nest_list_copy(begin, list) != STATUS_OK) tracer->out_of_memory = true;
+    if (find_faces(look, false, way)) return true;
+    if (!way->blocked || !compiled_indices_differ(tracer->world->scene, nest_medium(begin), WORLD_MEDIUM)) return false;
     *often = looked_past;
-    if (u >= looked_past || !find_faces(look, true, way, &blocked)) return false;
-    way->past = true;
-    return true;
+    nest_list_swap(list, begin);
+    return u < looked_past && find_faces(look, true, way);
 }
 
 static bool are_parallel(const FlatFace *a, const FlatFace *b)
