@@ -493,6 +493,17 @@ static void find_parts(const Held *held, float pdf[][CHOICES], uint32_t n, float
     }
 }
 
+/* Gives narrow lobes, whose weights are those among themselves, and n_broad behind them their parts of all. */
+static void weigh(GuideLobe *lobes, uint32_t n_narrow, uint32_t n_broad, const float parts[CHOICES])
+{
+    float sum = n_narrow > 0 ? parts[NARROW] : 0;
+    for (uint32_t i = 0; i < n_narrow; i++) lobes[i].weight *= parts[NARROW], lobes[i].cumulative *= parts[NARROW];
+    for (uint32_t k = 0; k < n_broad; k++) {
+        lobes[n_narrow + k].weight = parts[FIRST_BROAD + k];
+        lobes[n_narrow + k].cumulative = sum += parts[FIRST_BROAD + k];
+    }
+}
+
 /* Light of a large lamp that comes through waves, or by ways of which a cell has met few, is mostly not where narrow lobes have it: each
  * of these holds for a small part of the lamp. Then lobes around all that comes by one way are chosen, too. (The squared error of
  * sand under waves in the light of a tank's lamp is half of what it was; where narrow lobes are right, as in the sun, others make
@@ -533,12 +544,7 @@ static uint32_t add_broad(const GuidePhotons *cell, uint32_t n_narrow, float bro
         for (uint32_t k = 0; k < FIRST_BROAD + n_broad; k++) parts[k] *= 1 - LEAST_BROAD;
         parts[n_broad] += LEAST_BROAD;
     }
-    float sum = n_narrow > 0 ? parts[NARROW] : 0;
-    for (uint32_t i = 0; i < n_narrow; i++) lobes[i].weight *= parts[NARROW], lobes[i].cumulative *= parts[NARROW];
-    for (uint32_t k = 0; k < n_broad; k++) {
-        others[k].weight = parts[FIRST_BROAD + k];
-        others[k].cumulative = sum += parts[FIRST_BROAD + k];
-    }
+    weigh(lobes, n_narrow, n_broad, parts);
     return n_narrow + n_broad;
 }
 

@@ -464,6 +464,15 @@ static Vec3 place_of(const Path *path, Vec3 from, const LightSample *light)
     return vec3_along(from, light->distance, vec3_from_f(light->direction));
 }
 
+/* The look is set field by field: most of it is set later. False when memory ends. */
+static bool begin_look(Path *path, const LookPlace *from, bool at_beam, LampLook *look)
+{
+    look->path = path;
+    look->from = from;
+    look->at_beam = at_beam;
+    return tracer_lend(path->tracer) != NULL;
+}
+
 static void look_straight(Path *path, const LookPlace *from, LightLooks *looks)
 {
     LightSample *light = &looks->lights[0];
@@ -472,12 +481,9 @@ static void look_straight(Path *path, const LookPlace *from, LightLooks *looks)
         !slabs_are_on_way(&path->tracer->world->slabs, position, light->direction, light->distance))
         return;
     const Vec3 place = place_of(path, position, light);
-    LampLook look; /* set field by field: most of it is set later */
+    LampLook look;
     LampWay way;
-    look.path = path;
-    look.from = from;
-    look.at_beam = false;
-    if (!tracer_lend(path->tracer)) return;
+    if (!begin_look(path, from, false, &look)) return;
     bool found = is_in_front(from->normal, light->direction) && find_way(&look, light, place, &way);
     if (!found) light->pdf_w = 0; /* nor is it seen straight */
     if (found && way.n) {
@@ -500,7 +506,8 @@ static void look_at_beam(Path *path, const LookPlace *from, LightLooks *looks)
     uint32_t digits = sampler_3d(&path->sampler, DIM_BEAMS + 3 * path->bounce, u);
     uint32_t emitter = beams_sample(world, path->ray.time, digits, u, &place, &area);
     Vec3 to = vec3_sub(place, position);
-    double distance = vec3_length(to);
+    const double distance = vec3_length(to);
+    const bool has_area = area > 0;
     Vec3f direction = vec3f_from(vec3_scale(to, 1 / distance));
     if (!slabs_are_on_way(&world->slabs, position, direction, distance) || !is_in_front(from->normal, direction) ||
         (light_shines_at(world, emitter, path->ray.time, place, position) &&
@@ -508,17 +515,15 @@ static void look_at_beam(Path *path, const LookPlace *from, LightLooks *looks)
         return;
     *light = (LightSample){.direction = direction,
                            .distance = light_look_distance(distance, 1, place),
-                           .object = RTC_NO_OBJECT,
+                           .object = has_area ? world->scene->lights[world->emitters.emitters[emitter].of].object
+                                              : RTC_NO_OBJECT,
                            .primitive = RTC_NO_OBJECT,
                            .emitter = emitter,
-                           .delta = !(area > 0),
+                           .delta = !has_area,
                            .pdf_w = (float)beams_density(world, emitter, path->ray.time)};
-    LampLook look; /* set field by field: most of it is set later */
+    LampLook look;
     LampWay way;
-    look.path = path;
-    look.from = from;
-    look.at_beam = true;
-    if (!tracer_lend(path->tracer)) return;
+    if (!begin_look(path, from, true, &look)) return;
     if (find_way(&look, light, place, &way) && way.n > 0) {
         const LightSample again = *light;
         looks->n += look_by(&look, &way, place, light, &looks->arrives[looks->n]);
