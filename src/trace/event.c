@@ -64,6 +64,7 @@ static const Hit *boundary_hit_of_several(Tracer *tracer, const NestList *before
     for (size_t i = 0; i < n; i++) {
         NestPass pass = {compiled->hull_of_object[hits[i].object], hits[i].entering};
         NestCrossing step;
+        if (pass.hull == SCENE_NONE) continue; /* a sheet */
         if (nest_cross_one(&tracer->shadow_list, &compiled->order, pass, &step) != STATUS_OK) return best;
         if (crossing->opaque ? step.opaque
                              : step.medium_from != step.medium_to && step.medium_to == crossing->medium_to)

@@ -41,6 +41,7 @@ void tracer_init(Tracer *tracer, const World *world)
     nest_list_init(&tracer->before);
     nest_list_init(&tracer->aside);
     nest_list_init(&tracer->forked);
+    nest_list_init(&tracer->began);
     nest_list_init(&tracer->shadow_list);
 }
 
@@ -59,6 +60,7 @@ void tracer_clear(Tracer *tracer)
     nest_list_clear(&tracer->before);
     nest_list_clear(&tracer->aside);
     nest_list_clear(&tracer->forked);
+    nest_list_clear(&tracer->began);
     nest_list_clear(&tracer->shadow_list);
     free(tracer->parts.items);
     tracer->parts = (FlightParts){0};

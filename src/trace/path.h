@@ -110,6 +110,7 @@ typedef struct Tracer {
     NestList before; /* behind what was passed */
     NestList aside;  /* of the two lists of path_turn_aside the one that is not in use */
     NestList forked; /* where the second path of a sample begins */
+    NestList began;  /* where a look did, see slab_lamp.c */
     FlightParts parts;
     NestPass *passes;
     size_t passes_capacity;

@@ -92,7 +92,7 @@ static bool find_faces(Path *look, bool past, LampWay *way)
 static bool find_faces_past(Path *look, bool delta, float u, LampWay *way, float *often)
 {
     Tracer *tracer = look->tracer;
-    NestList *list = &tracer->list, *begin = &tracer->shadow_list;
+    NestList *list = &tracer->list, *begin = &tracer->began;
     *often = 1;
     if (delta) return find_faces(look, true, way);
     if (nest_list_copy(begin, list) != STATUS_OK) tracer->out_of_memory = true;
