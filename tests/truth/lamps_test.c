@@ -197,6 +197,12 @@ static void as_by_chance(void **state)
          "box { from = <-50, -1, -50>  to = <50, 18, 50>  interior = water }\n"
          "box { from = <10.5, 6, -9>  to = <10.6, 14, 9>  surface = surface { albedo = .2 } }",
          true},
+        {"quad, water with a leaf on it",
+         QUAD
+         "box { from = <-30, -1, -30>  to = <30, 12, 30>  interior = water }\n"
+         "mesh { positions = [<1, 12, -3>, <4, 12, -3>, <4, 12, 5>, <1, 12, 5>]  triangles = [<0, 1, 2>, <0, 2, 3>]"
+         "  surface = surface { albedo = .3 } }",
+         false},
         {"quad, a mask",
          "light { from = <0, 30, 0>  to = <0, 0, 0>  size = <14, 14>  radiance = 8 }\n"
          "box { from = <-9, 10, -9>  to = <9, 10.01, 9>  surface = surface { weight = checker { scale(2.2) "
