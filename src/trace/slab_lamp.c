@@ -164,37 +164,30 @@ static bool is_in_front(Vec3f normal, Vec3f direction)
     return vec3f_dot(normal, normal) == 0 || vec3f_dot(direction, normal) > 0;
 }
 
-/* Where looks begin. */
-typedef struct LampBegin {
-    Vec3 from;
-    Vec3f normal; /* as LightQuery's */
-    const LightChoices *choices;
-} LampBegin;
-
 /* Of a lamp's place that a ray has come to by faces, per steradian of directions from where it began: by looks that choose it
  * straight. */
-static float straight_density(const World *world, const LampBegin *begin, const Ray *ray, const Hit *hit,
+static float straight_density(const World *world, const LightRival *look, const Ray *ray, const Hit *hit,
                               const FlatRay *bent)
 {
-    const Vec3 from = begin->from, place = ray_point(ray, hit->t), to = vec3_sub(place, from);
+    const Vec3 from = look->from, place = ray_point(ray, hit->t), to = vec3_sub(place, from);
     double distance = vec3_length(to);
     Ray straight = ray_make(from, vec3f_from(vec3_scale(to, 1 / distance)));
     Hit seen = *hit;
     seen.t = distance;
     seen.cos_normal = vec3_dot(vec3_from_f(hit->normal), to) / distance;
     straight.time = ray->time;
-    if (!is_in_front(begin->normal, straight.direction) || (seen.cos_normal < 0) != hit->entering) return 0;
-    double pdf_w = (double)light_pdf_hit(world, begin->choices, from, begin->normal, &straight, &seen);
+    if (!is_in_front(look->normal, straight.direction) || (seen.cos_normal < 0) != hit->entering) return 0;
+    double pdf_w = (double)light_pdf_hit(world, look->choices, from, look->normal, &straight, &seen);
     double spread = flat_ray_spread(bent, place) / (distance * distance);
     return (float)(pdf_w * spread * fabs(seen.cos_normal / hit->cos_normal));
 }
 
 /* The same by looks at beams. */
-static float beam_density(const World *world, const LampBegin *begin, const Ray *ray, const Hit *hit,
+static float beam_density(const World *world, const LightRival *look, const Ray *ray, const Hit *hit,
                           const FlatRay *bent)
 {
     uint32_t emitter = emitter_of_hit(&world->emitters, hit);
-    if (!(begin->choices->near > 0) || !beams_have(world, emitter)) return 0;
+    if (!(look->choices->near > 0) || !beams_have(world, emitter)) return 0;
     double spread = flat_ray_spread(bent, ray_point(ray, hit->t));
     return (float)(beams_density(world, emitter, ray->time) * spread / fabs(hit->cos_normal));
 }
@@ -255,9 +248,9 @@ float slab_lamp_density(Path *path, const Hit *hit)
         vec3_length(vec3_sub(direction, vec3_from_f(gone->direction))) > same ||
         (path->index_lane < 0 && parts_colors(&way, direction, &bent)))
         return 0;
-    const LampBegin begin = {from, path->scatter_normal, path->scatter_lights};
-    float straight = straight_density(world, &begin, &path->ray, hit, &bent);
-    return often * (straight > 0 ? straight : beam_density(world, &begin, &path->ray, hit, &bent));
+    const LightRival look = {path->scatter_lights, from, path->scatter_normal, -1};
+    float straight = straight_density(world, &look, &path->ray, hit, &bent);
+    return often * (straight > 0 ? straight : beam_density(world, &look, &path->ray, hit, &bent));
 }
 
 bool slab_lamp_is_looked_at(const Path *photon, uint32_t emitter, const Ray *begin, Vec3 place)
@@ -370,9 +363,9 @@ static bool see_surface(const LampLook *l, uint32_t emitter, const FlatRay *bent
     if (!follow_to_surface(&look, emitter, &event) ||
         !light_radiance_hit(world, &look.ray, &event.hit, look.wavelengths.nm, &radiance))
         return false;
-    const LampBegin begin = {l->from->place->position, l->from->normal, l->from->choices};
-    *pdf_w = straight_density(world, &begin, &look.ray, &event.hit, bent);
-    if (l->at_beam) *pdf_w = *pdf_w > 0 ? 0 : beam_density(world, &begin, &look.ray, &event.hit, bent);
+    const LightRival from = {l->from->choices, l->from->place->position, l->from->normal, -1};
+    *pdf_w = straight_density(world, &from, &look.ray, &event.hit, bent);
+    if (l->at_beam) *pdf_w = *pdf_w > 0 ? 0 : beam_density(world, &from, &look.ray, &event.hit, bent);
     *pdf_w *= l->often;
     uint32_t medium = nest_medium(&look.tracer->list);
     *arrives = lanes_mul(look.beta, path_basic_radiance(world, radiance, medium, look.wavelengths.nm));
