@@ -397,10 +397,8 @@ LightPivot light_pivot(const World *world, uint32_t number, double time, double 
     }
     switch (emitter->kind) {
     case EMITTER_LIGHT: {
-        const SceneLight *light = &scene->lights[emitter->of];
-        Affine room;
-        const Affine *to_world = light_place(world, light, time, &room);
-        place = light_is_flat(light) ? light_flat_point(light, to_world, u) : to_world->t;
+        double ignored;
+        place = light_even_place(world, number, time, u, &ignored);
         break;
     }
     case EMITTER_TRIANGLE:

@@ -83,7 +83,7 @@ typedef struct LightPivot {
 LightPivot light_pivot(const World *world, uint32_t emitter, double time, double rest, const float u[2]);
 /* The same for a place on it that is known. */
 LightPivot light_pivot_at(const World *world, uint32_t emitter, double time, Vec3 place);
-/* A place of an EMITTER_LIGHT that is flat, uniform in its area, or has no size, of area 0. u: uniform in [0, 1). */
+/* A place of an EMITTER_LIGHT that is flat, uniform in its area; of others their middle, and area 0. u: uniform in [0, 1). */
 Vec3 light_even_place(const World *world, uint32_t emitter, double time, const float u[2], double *area);
 /* Whether it shines straight from there towards a point. */
 bool light_shines_at(const World *world, uint32_t emitter, double time, Vec3 place, Vec3 point);
