@@ -19,10 +19,10 @@ void guide_free(Guide *guide)
     free(guide);
 }
 
-GuideAt guide_find(const Guide *guide, Vec3 place, float color)
+GuideAt guide_find(const Guide *guide, Vec3 place, bool at_boundary, float color)
 {
     Vec3f p = vec3f_from(place);
-    const GuideCell *cell = &guide->cells[guide_leaf(guide, p)];
+    const GuideCell *cell = &guide->cells[guide_leaf(guide, p, at_boundary)];
     if (p.x < cell->low.x || p.y < cell->low.y || p.z < cell->low.z || p.x > cell->high.x || p.y > cell->high.y ||
         p.z > cell->high.z)
         return (GuideAt){.share = 0};
@@ -56,6 +56,10 @@ static void walk_node(const Walk *walk, uint32_t number, double begin, double en
     if (!cut_to_box(walk, &guide->boxes[number], &begin, &end)) return;
     if (node->axis == GUIDE_LEAF) {
         walk->visit(walk->context, &guide->cells[node->first], begin, end);
+        return;
+    }
+    if (node->axis == GUIDE_KIND) { /* nothing on a boundary is in a medium */
+        walk_node(walk, node->first, begin, end);
         return;
     }
     double inverse = walk->inverse[node->axis], at = ((double)node->split - walk->origin[node->axis]) * inverse;

@@ -111,7 +111,8 @@ typedef struct GuideAt {
     float share, sent; /* how often probes look from there; and those that a path sends which is scattered there */
 } GuideAt;
 
-GuideAt guide_find(const Guide *guide, Vec3 place, float color);
+/* at_boundary: of clear objects. */
+GuideAt guide_find(const Guide *guide, Vec3 place, bool at_boundary, float color);
 /* Tells of all cells in which media scatter light, and that a line, origin + t direction, goes through from t = begin to `end`. */
 typedef void GuideVisitor(void *context, const GuideCell *cell, double begin, double end);
 void guide_walk(const Guide *guide, Vec3 origin, Vec3 direction, double begin, double end, GuideVisitor *visit,

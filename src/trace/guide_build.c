@@ -7,16 +7,30 @@
 #include "optics/sampling.h"
 #include "trace/guide_parts.h"
 
+/* A leaf of the tree. */
+typedef struct Leaf {
+    Vec3f low, high; /* where it ends, as far as others are beside it */
+    uint32_t first;  /* of its known photons */
+} Leaf;
+
 typedef struct Builder {
     Guide *guide;
     Photon *photons;  /* sorted by cell */
     Photon *known;    /* those that lobes are made of, sorted by cell */
-    uint32_t *knowns; /* of each cell's */
+    Leaf *leaves;     /* of all cells, and one that begins where the last one's photons end */
     GuideFour *fours; /* GUIDE_CELL_FOURS for each cell */
     float scale;      /* what the photons' flux is to be multiplied with */
+    uint32_t n_apart; /* cells that are not of boundaries, or all: they come first */
 } Builder;
 
 /* ---- the tree ---- */
+
+static void swap_photons(Photon *a, Photon *b)
+{
+    Photon swap = *a;
+    *a = *b;
+    *b = swap;
+}
 
 /* Reorders photons so that number `middle` along an axis stands at its place (C. A. R. Hoare's selection). */
 static void select_middle(Photon *photons, uint32_t n, uint32_t middle, uint32_t axis)
@@ -29,9 +43,7 @@ static void select_middle(Photon *photons, uint32_t n, uint32_t middle, uint32_t
             while (guide_coordinate(photons[i].position, axis) < pivot) i++;
             while (guide_coordinate(photons[j].position, axis) > pivot) j--;
             if (i >= j) break;
-            Photon swap = photons[i];
-            photons[i++] = photons[j];
-            photons[j--] = swap;
+            swap_photons(&photons[i++], &photons[j--]);
         }
         if (middle <= j)
             high = j;
@@ -56,9 +68,7 @@ static uint32_t put_below_first(Photon *photons, uint32_t n, float split, uint32
     uint32_t below = 0;
     for (uint32_t i = 0; i < n; i++) {
         if (!(guide_coordinate(photons[i].position, axis) < split)) continue;
-        Photon swap = photons[i];
-        photons[i] = photons[below];
-        photons[below++] = swap;
+        swap_photons(&photons[i], &photons[below++]);
     }
     return below;
 }
@@ -82,7 +92,21 @@ static uint32_t split_photons(Photon *photons, uint32_t n, uint32_t axis, float 
     return put_below_first(photons, n, *split, axis);
 }
 
-static void make_node(Builder *b, uint32_t node, uint32_t begin, uint32_t end)
+/* Puts those that are not on boundaries first; returns how many they are. */
+static uint32_t put_others_first(Photon *photons, uint32_t n)
+{
+    uint32_t others = 0;
+    for (uint32_t i = 0; i < n; i++)
+        if (!photons[i].at_boundary) swap_photons(&photons[i], &photons[others++]);
+    return others;
+}
+
+static void set_coordinate(Vec3f *p, uint32_t axis, float to)
+{
+    *(axis == 0 ? &p->x : axis == 1 ? &p->y : &p->z) = to;
+}
+
+static void make_node(Builder *b, uint32_t node, uint32_t begin, uint32_t end, Leaf region)
 {
     Guide *guide = b->guide;
     uint32_t n = end - begin;
@@ -91,7 +115,8 @@ static void make_node(Builder *b, uint32_t node, uint32_t begin, uint32_t end)
     Vec3f size = vec3f_along(high, -1, low);
     uint32_t axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
     if (n <= GUIDE_CELL_KNOWN) {
-        b->knowns[guide->n_cells] = begin;
+        region.first = begin;
+        b->leaves[guide->n_cells] = region;
         guide->nodes[node] = (GuideNode){.axis = GUIDE_LEAF, .first = guide->n_cells++};
         return;
     }
@@ -99,8 +124,29 @@ static void make_node(Builder *b, uint32_t node, uint32_t begin, uint32_t end)
     uint32_t middle = begin + split_photons(b->known + begin, n, axis, &split), child = guide->n_nodes;
     guide->n_nodes += 2;
     guide->nodes[node] = (GuideNode){split, axis, child};
-    make_node(b, child, begin, middle);
-    make_node(b, child + 1, middle, end);
+    Leaf below = region, above = region;
+    set_coordinate(&below.high, axis, split);
+    set_coordinate(&above.low, axis, split);
+    make_node(b, child, begin, middle, below);
+    make_node(b, child + 1, middle, end, above);
+}
+
+static void make_root(Builder *b, uint32_t n)
+{
+    Guide *guide = b->guide;
+    uint32_t others = put_others_first(b->known, n);
+    const Leaf all = {.low = {-INFINITY, -INFINITY, -INFINITY}, .high = {INFINITY, INFINITY, INFINITY}};
+    guide->n_nodes = 1;
+    if (others == 0 || others == n) {
+        make_node(b, 0, 0, n, all);
+        b->n_apart = guide->n_cells;
+        return;
+    }
+    guide->nodes[0] = (GuideNode){.axis = GUIDE_KIND, .first = 1};
+    guide->n_nodes += 2;
+    make_node(b, 1, 0, others, all);
+    b->n_apart = guide->n_cells;
+    make_node(b, 2, others, n, all);
 }
 
 /* Sorts all photons by the cell that they are in. */
@@ -112,7 +158,8 @@ static Status sort_by_cell(Builder *b, uint32_t n, Error *error)
     Status status = STATUS_OK;
     if (cell_of && sorted && b->guide->begins) {
         for (uint32_t i = 0; i < n; i++)
-            b->guide->begins[(cell_of[i] = guide_leaf(b->guide, b->photons[i].position)) + 2]++;
+            b->guide
+                ->begins[(cell_of[i] = guide_leaf(b->guide, b->photons[i].position, b->photons[i].at_boundary)) + 2]++;
         for (uint32_t i = 1; i <= n_cells; i++) b->guide->begins[i + 1] += b->guide->begins[i];
         for (uint32_t i = 0; i < n; i++) sorted[b->guide->begins[cell_of[i] + 1]++] = b->photons[i];
         memcpy(b->photons, sorted, n * sizeof *sorted);
@@ -131,14 +178,13 @@ static Status make_tree(Builder *b, uint32_t n, Error *error)
     for (uint32_t i = 0; i < n; i++) n_known += b->photons[i].lobe;
     guide->nodes = malloc(2 * n_known * sizeof *guide->nodes); /* each cell has at least one */
     b->known = malloc(n_known * sizeof *b->known);
-    b->knowns = malloc((n_known + 1) * sizeof *b->knowns);
-    if (!guide->nodes || !b->known || !b->knowns) return fail_memory(error, n_known * sizeof *b->known, "caustics");
+    b->leaves = malloc((n_known + 1) * sizeof *b->leaves);
+    if (!guide->nodes || !b->known || !b->leaves) return fail_memory(error, n_known * sizeof *b->known, "caustics");
     n_known = 0;
     for (uint32_t i = 0; i < n; i++)
         if (b->photons[i].lobe) b->known[n_known++] = b->photons[i];
-    guide->n_nodes = 1;
-    make_node(b, 0, 0, (uint32_t)n_known);
-    b->knowns[guide->n_cells] = (uint32_t)n_known;
+    make_root(b, (uint32_t)n_known);
+    b->leaves[guide->n_cells] = (Leaf){.first = (uint32_t)n_known};
     TRY(sort_by_cell(b, n, error));
     guide->cells = calloc(guide->n_cells, sizeof *guide->cells);
     b->fours = malloc((size_t)guide->n_cells * GUIDE_CELL_FOURS * sizeof *b->fours);
@@ -163,8 +209,10 @@ static float cell_area(const Photon *photons, uint32_t n)
 static void look_near(const Builder *b, uint32_t i, GuidePhotons *photons)
 {
     enum { NEAR_CELLS = 4 };
-    const uint32_t *begins = b->guide->begins, n = b->guide->n_cells;
-    uint32_t first = i > NEAR_CELLS ? i - NEAR_CELLS : 0, last = n - i > NEAR_CELLS ? i + NEAR_CELLS : n - 1;
+    const uint32_t *begins = b->guide->begins;
+    uint32_t least = i < b->n_apart ? 0 : b->n_apart, end = i < b->n_apart ? b->n_apart : b->guide->n_cells;
+    uint32_t first = i - least > NEAR_CELLS ? i - NEAR_CELLS : least,
+             last = end - i > NEAR_CELLS ? i + NEAR_CELLS : end - 1;
     photons->near[0].photons = b->photons + begins[first];
     photons->near[0].n = begins[i] - begins[first];
     photons->near[1].photons = b->photons + begins[i + 1];
@@ -178,7 +226,7 @@ static void fit_lobes(const Builder *b, uint32_t i, GuidePhotons *photons)
     enum { FARTHEST_LENDER = 512 };
     look_near(b, i, photons);
     GuideCell *cell = &b->guide->cells[i];
-    uint32_t begin = b->knowns[i], end = b->knowns[i + 1], n_all = b->knowns[b->guide->n_cells];
+    uint32_t begin = b->leaves[i].first, end = b->leaves[i + 1].first, n_all = b->leaves[b->guide->n_cells].first;
     for (uint32_t k = begin; k < end; k++) photons->known[photons->n_known++].photon = &b->known[k];
     begin = begin > FARTHEST_LENDER ? begin - FARTHEST_LENDER : 0;
     end = n_all - end > FARTHEST_LENDER ? end + FARTHEST_LENDER : n_all;
@@ -190,6 +238,29 @@ static void fit_lobes(const Builder *b, uint32_t i, GuidePhotons *photons)
     GuideLobe lobes[GUIDE_CELL_LOBES];
     cell->n_lobes = guide_fit(photons, lobes);
     guide_lay_in_fours(lobes, cell->n_lobes, b->fours + (size_t)i * GUIDE_CELL_FOURS);
+}
+
+/* How far from its photons, which end at `end`, a cell is known along an axis: as far as these are from each other; or up to where
+ * another cell begins, for between them there is light as well, if that is not far. (Few photons leave gaps: the wall behind a lamp in
+ * frosted glass had narrow dark rectangles, where no probes were sent.) margin: the first of these; outwards: -1 or 1. */
+static float known_up_to(float end, float leaf, float outwards, float margin)
+{
+    const float not_far = 4; /* margins */
+    float gap = outwards * (leaf - end);
+    return end + outwards * (gap <= not_far * margin ? float_max(gap, margin) : margin);
+}
+
+static void set_bounds(const Leaf *leaf, const Photon *photons, uint32_t n, GuideCell *cell)
+{
+    Vec3f low, high;
+    bounds_of(photons, n, &low, &high);
+    Vec3f size = vec3f_along(high, -1, low);
+    float margin = 0.15f * float_max(size.x, float_max(size.y, size.z));
+    for (uint32_t axis = 0; axis < 3; axis++) {
+        float below = guide_coordinate(low, axis), above = guide_coordinate(high, axis);
+        set_coordinate(&cell->low, axis, known_up_to(below, guide_coordinate(leaf->low, axis), -1, margin));
+        set_coordinate(&cell->high, axis, known_up_to(above, guide_coordinate(leaf->high, axis), 1, margin));
+    }
 }
 
 /* What media scatter in the cell, and its colour. */
@@ -223,13 +294,8 @@ static void fit_cell(void *context, uint32_t i, unsigned worker)
         cell->low = vec3f(INFINITY, INFINITY, INFINITY);
         return;
     }
-    bounds_of(photons, n, &cell->low, &cell->high);
-    Vec3f size = vec3f_along(cell->high, -1, cell->low);
-    /* beyond its photons a cell is known as far as these are from each other */
-    float margin = 0.15f * float_max(size.x, float_max(size.y, size.z)), flux = 0;
-    Vec3f more = vec3f(margin, margin, margin);
-    cell->low = vec3f_along(cell->low, -1, more);
-    cell->high = vec3f_add(cell->high, more);
+    float flux = 0;
+    set_bounds(&b->leaves[i], photons, n, cell);
     cell->share = cell->looks = 0.5f;
     for (uint32_t k = 0; k < n; k++) flux += photon_flux_there(&photons[k]) * b->scale;
     find_scattered(cell, photons, n, b->scale);
@@ -304,7 +370,7 @@ Status guide_build(Photon *photons, uint32_t n, uint32_t followed, Pool *pool, G
         guide_free(guide);
     }
     free(b.known);
-    free(b.knowns);
+    free(b.leaves);
     return status;
 }
 

@@ -90,7 +90,8 @@ static bool nodes_can_be(const GuideNode *nodes, uint32_t n_nodes, uint32_t n_ce
     for (uint32_t i = 0; i < n_nodes; i++) {
         const GuideNode *node = &nodes[i];
         bool leaf = node->axis == GUIDE_LEAF;
-        if (leaf ? node->first >= n_cells : node->axis > 2 || node->first <= i || node->first >= n_nodes - 1)
+        uint32_t last_axis = i == 0 ? GUIDE_KIND : 2;
+        if (leaf ? node->first >= n_cells : node->axis > last_axis || node->first <= i || node->first >= n_nodes - 1)
             return false;
     }
     return n_nodes > 0;

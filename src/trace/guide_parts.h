@@ -9,10 +9,12 @@
 /* Of a binary tree: children stand side by side. */
 typedef struct GuideNode {
     float split;
-    uint32_t axis;  /* GUIDE_LEAF: of none */
+    uint32_t axis;  /* GUIDE_KIND: by what is there; GUIDE_LEAF: of none */
     uint32_t first; /* child, or the cell of a leaf */
 } GuideNode;
-enum { GUIDE_LEAF = 3 };
+/* What lands on frosted glass is by itself: a wall behind it and the glass would share cells, of which neither could be
+ * described well, for on the glass all is brighter by far. Of the root only; boundaries are the second child. */
+enum { GUIDE_KIND = 3, GUIDE_LEAF = 4 };
 
 /* Around what media scatter in a part of the tree, for lines that pass it by. */
 typedef struct GuideBox {
@@ -43,9 +45,10 @@ static inline float guide_coordinate(Vec3f p, uint32_t axis)
 }
 
 /* The cell of the tree that a place is in, or beside. */
-static inline uint32_t guide_leaf(const Guide *guide, Vec3f p)
+static inline uint32_t guide_leaf(const Guide *guide, Vec3f p, bool at_boundary)
 {
     const GuideNode *node = guide->nodes;
+    if (node->axis == GUIDE_KIND) node = guide->nodes + node->first + at_boundary;
     while (node->axis != GUIDE_LEAF)
         node = guide->nodes + node->first + (guide_coordinate(p, node->axis) >= node->split);
     return node->first;

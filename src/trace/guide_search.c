@@ -98,10 +98,10 @@ static bool is_unforeseen(const GuideSearch *search, const Photon *photon)
 {
     if (!search->guide) return true;
     if (search->survey) {
-        uint32_t visits = search->survey->visits[guide_leaf(search->survey, photon->position)];
+        uint32_t visits = search->survey->visits[guide_leaf(search->survey, photon->position, photon->at_boundary)];
         if ((double)visits < 0.05 * search->facts.mean_visits) return false;
     }
-    uint32_t cell = guide_leaf(search->guide, photon->position);
+    uint32_t cell = guide_leaf(search->guide, photon->position, photon->at_boundary);
     float mean = search->guide->cells[cell].radiance + search->facts.other;
     return guide_sample_of(search->guide, cell, 0.5f, photon) > FIREFLY * mean;
 }

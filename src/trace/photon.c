@@ -28,6 +28,7 @@ static void land(const Path *path, const Event *event, float flux, Photon *photo
     *photon = (Photon){.position = vec3f_from(ray_point(&path->ray, t)), .from = vec3f_negate(path->ray.direction)};
     if (event->kind != EVENT_SCATTER)
         photon->normal = event->hit.cos_normal < 0 ? event->hit.normal : vec3f_negate(event->hit.normal);
+    photon->at_boundary = event->kind == EVENT_BOUNDARY;
     if (isfinite(carried) && carried > 0) photon->flux = carried;
 }
 

@@ -41,7 +41,8 @@ typedef struct Photon {
     uint32_t number; /* of all that were followed */
     uint32_t
         way; /* the same for those that met the same surfaces, and did the same there; odd: some of these are rough */
-    uint32_t lobe; /* 1: photons_look_around was here */
+    uint16_t lobe;        /* 1: photons_look_around was here */
+    uint16_t at_boundary; /* 1: it has landed on frosted glass, else where paths are scattered broadly */
     /* far parts of a sea fill little of the picture, so that their flux counts less: it is 1 + more times that */
     float more;
 } Photon;

@@ -14,13 +14,13 @@ static inline float path_probe_part(const Path *path, const Airway *way, bool in
     float part = float_min(lanes_mean(path->beta) / lanes_mean(path->ratio), 1);
     return in_medium ? part / (float)(1 + path->n_scattered) : part;
 }
-/* The guide of a place where the path is to be scattered, in a medium or not. */
-static inline GuideAt path_guide(const Path *path, Vec3 place, bool in_medium)
+/* The guide of a place where the path is to be scattered by such an event. */
+static inline GuideAt path_guide(const Path *path, Vec3 place, EventKind kind)
 {
     const Guide *guide = path->tracer->world->guide;
     if (LIKELY(!guide) || path->probing.is_probe) return (GuideAt){.share = 0};
-    GuideAt at = guide_find(guide, place, path->color);
-    float part = path_probe_part(path, &path->from, in_medium);
+    GuideAt at = guide_find(guide, place, kind == EVENT_BOUNDARY, path->color);
+    float part = path_probe_part(path, &path->from, kind == EVENT_SCATTER);
     if (UNLIKELY(path->tracer->ledger) && at.share > 0 && !path->again)
         guide_note(path->tracer->ledger, &at, GUIDE_VISIT, part, lanes_mean(path->beta) / lanes_mean(path->ratio));
     at.sent = at.share *= part;

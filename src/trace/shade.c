@@ -277,7 +277,7 @@ void path_scatter_in_medium(Path *path, const Event *event)
     float u[2];
     double time = path->ray.time;
     sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_SCATTER), u);
-    GuideAt guide = path_guide(path, position, true);
+    GuideAt guide = path_guide(path, position, EVENT_SCATTER);
     guide.share += shaft_rival(path, &guide);
     Vec3f direction;
     if (UNLIKELY(path_ask_guide(path, &guide, &direction))) {
@@ -409,7 +409,7 @@ bool path_shade_opaque(Path *path, Event *event)
     float u[2];
     sampler_2d(&path->sampler, sampler_dimension(path->bounce, DIM_SCATTER), u);
     Vec3f direction;
-    GuideAt guide = path_guide(path, ray_point(&path->ray, event->hit.t), false);
+    GuideAt guide = path_guide(path, ray_point(&path->ray, event->hit.t), event->kind);
     if (UNLIKELY(path_ask_guide(path, &guide, &direction)) && vec3f_dot(direction, place.geometric) > 0) {
         float pdf_w = diffuse_pdf(&place, direction);
         path_send_probe(path, &guide, &from, &(ProbeWay){direction, false, lanes_scale(albedo, pdf_w), pdf_w});

@@ -137,7 +137,7 @@ static void aim_by_guide(Path *path, const Bsdf *bsdf, const SurfacePlace *place
     const float most = 0.5f;
     const Guide *guide = path->tracer->world->guide;
     if (LIKELY(!guide) || !(path->probing.is_probe || path->probing.guide.share > 0)) return;
-    GuideAt at = guide_find(guide, place->position, path->color);
+    GuideAt at = guide_find(guide, place->position, true, path->color);
     if (!(at.share > 0)) return;
     float keener = at.cell->keenness * solid_angle(bsdf);
     aim->guide = at;
@@ -207,7 +207,7 @@ static bool passes_on(const Path *path, const Event *event, const Bsdf *bsdf, Gu
 {
     const bool keen = is_keen(bsdf), looked_through = path->probing.is_probe || path->probing.guide.share > 0;
     if (keen && (bsdf->specular_only || event->kind != EVENT_BOUNDARY || looked_through)) return true;
-    *guide = path_guide(path, ray_point(&path->ray, event->hit.t), false);
+    *guide = path_guide(path, ray_point(&path->ray, event->hit.t), event->kind);
     return keen && !(guide->share > 0);
 }
 

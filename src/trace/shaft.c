@@ -147,7 +147,7 @@ static bool choose_place(const Path *path, Airway *way, double u, float v, Shaft
     *all = shaft.all;
     if (!(shaft.all > 0)) return false;
     look->t = airlight_off_ends(path, shaft.begin + (double)v * (shaft.end - shaft.begin));
-    look->at = guide_find(path->tracer->world->guide, ray_point(&path->ray, look->t), path->color);
+    look->at = guide_find(path->tracer->world->guide, ray_point(&path->ray, look->t), false, path->color);
     return look->at.cell == shaft.cell; /* but for rounding */
 }
 

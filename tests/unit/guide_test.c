@@ -468,6 +468,58 @@ static void levels(void **state)
     free(photons);
 }
 
+/* Between the photons of two cells there are places that neither of them is near, and one of the two tells of them. */
+static void gaps(void **state)
+{
+    (void)state;
+    enum { N = 4 * 25, PLACES = 10000 };
+    Pool *pool;
+    Error error;
+    Guide *guide;
+    Photon photons[N];
+    for (int i = 0; i < N; i++) { /* four groups, of 0.4 each way, and 0.1 apart */
+        photons[i] = random_photon();
+        photons[i].lobe = 1;
+        photons[i].position = vec3f(.5f * (float)(i % 2) + .4f * dice(), 0, .5f * (float)(i / 2 % 2) + .4f * dice());
+    }
+    assert_int_equal(pool_new(1, &pool, &error), STATUS_OK);
+    assert_int_equal(guide_build(photons, N, N, pool, &guide, &error), STATUS_OK);
+    assert_int_equal(guide->n_cells, 4);
+    for (int i = 0; i < PLACES; i++)
+        assert_non_null(guide_find(guide, vec3(.9 * (double)dice(), 0, .9 * (double)dice()), false, 0).cell);
+    assert_null(guide_find(guide, vec3(1, 0, 1), false, 0).cell);
+    guide_free(guide);
+    pool_free(pool);
+}
+
+/* Photons on frosted glass and those beside it, at the same places, share no cell. */
+static void apart(void **state)
+{
+    (void)state;
+    enum { N = 1000 };
+    Pool *pool;
+    Error error;
+    Guide *guide;
+    Photon *photons = calloc(N, sizeof *photons);
+    for (int i = 0; i < N; i++) {
+        photons[i] = random_photon();
+        photons[i].lobe = i % 3 != 0;
+        photons[i].at_boundary = i % 2 != 0;
+    }
+    assert_int_equal(pool_new(1, &pool, &error), STATUS_OK);
+    assert_int_equal(guide_build(photons, N, N, pool, &guide, &error), STATUS_OK);
+    for (uint32_t i = 0; i < guide->n_cells; i++)
+        for (uint32_t k = guide->begins[i]; k < guide->begins[i + 1]; k++) {
+            const Photon *photon = &photons[k];
+            assert_int_equal(photon->at_boundary, photons[guide->begins[i]].at_boundary);
+            GuideAt at = guide_find(guide, vec3_from_f(photon->position), photon->at_boundary, photon->color);
+            assert_ptr_equal(at.cell, &guide->cells[i]);
+        }
+    guide_free(guide);
+    pool_free(pool);
+    free(photons);
+}
+
 /* How keen cells are is what their lobes say of photons that they are not made of: much where all light comes out of one narrow cone, as
  * 1 / its solid angle; no more than an even sky's where each photon comes from anywhere, however sure it is of itself; nothing where
  * there are no others. */
@@ -808,7 +860,7 @@ static void visit(void *context, const GuideCell *cell, double begin, double end
     visits->along += end - begin;
     for (int i = 1; i < 8; i++) {
         Vec3 place = vec3_along(visits->origin, begin + (end - begin) * i / 8, visits->direction);
-        visits->n_wrong += guide_find(visits->guide, place, 0).cell != cell;
+        visits->n_wrong += guide_find(visits->guide, place, false, 0).cell != cell;
     }
 }
 
@@ -840,7 +892,7 @@ static void walks(void **state)
         guide_walk(guide, visits.origin, visits.direction, begin, end, visit, &visits);
         for (int k = 0; k < STEPS; k++) {
             double t = begin + (end - begin) * (k + .5) / STEPS;
-            GuideAt at = guide_find(guide, vec3_along(visits.origin, t, visits.direction), 0);
+            GuideAt at = guide_find(guide, vec3_along(visits.origin, t, visits.direction), false, 0);
             along += at.cell && at.cell->scattered > 0 ? (end - begin) / STEPS : 0;
         }
         worst = fmax(worst, fabs(along - visits.along));
@@ -862,7 +914,8 @@ int main(void)
         cmocka_unit_test(doubts),     cmocka_unit_test(corners),  cmocka_unit_test(sides),  cmocka_unit_test(borrowed),
         cmocka_unit_test(missed),     cmocka_unit_test(keenness), cmocka_unit_test(levels), cmocka_unit_test(flux),
         cmocka_unit_test(looked_for), cmocka_unit_test(bulbs),    cmocka_unit_test(lenses), cmocka_unit_test(hues),
-        cmocka_unit_test(beams),      cmocka_unit_test(walks),    cmocka_unit_test(tiles),
+        cmocka_unit_test(beams),      cmocka_unit_test(walks),    cmocka_unit_test(tiles),  cmocka_unit_test(gaps),
+        cmocka_unit_test(apart),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
