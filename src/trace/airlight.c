@@ -3,6 +3,7 @@
 #include "trace/airlight.h"
 
 #include "optics/sampling.h"
+#include "trace/beam_ways.h"
 #include "trace/event.h"
 #include "trace/shade.h"
 #include "trace/shaft.h"
@@ -118,6 +119,33 @@ float airlight_turn_density(const Airway *way, const Phase *phase, Lanes coeffic
     return all > 0 ? lanes_mean(lanes_mul(each, pdf_w)) / all : 0;
 }
 
+bool airlight_place(Path *path, const FlightStretch *stretch, double t, double *which, AirPlace *place)
+{
+    const uint32_t medium = stretch->medium;
+    Tracer *tracer = path->tracer;
+    Airway *way = &path->way;
+    if (!stretch->uneven) {
+        const SceneMedium *m = &tracer->world->scene->media[medium];
+        place->phase = &m->phase;
+        way->n_media = 1;
+        place->coefficient = spectrum_at(&m->scattering, path->wavelengths.nm);
+        place->depth = lanes_scale(place->coefficient, flight_length(t - way->begin));
+        place->left = flight_attenuation(flight_depth(path, medium, t - way->begin));
+        return true;
+    }
+    uint32_t n_drawn = 1U << 31; /* numbers of its own */
+    place->left = flight_transmit(path, &path->ray, &tracer->list, way->begin, t, &n_drawn, &place->depth);
+    way->n_media = (uint32_t)tracer->parts.n;
+    if (lanes_zero(place->left) || !way->n_media) return false;
+    double choice = *which * way->n_media;
+    uint32_t i = choice < way->n_media ? (uint32_t)choice : way->n_media - 1;
+    const FlightPart *part = &tracer->parts.items[i];
+    *which = choice - i;
+    place->phase = &part->medium->phase;
+    place->coefficient = lanes_scale(part->scattering, flight_part_density(part, t));
+    return !lanes_zero(place->coefficient);
+}
+
 /* ---- the stretch ---- */
 
 /* What a medium that fills the stretch adds; its absorption only where it is as dense everywhere. */
@@ -151,9 +179,9 @@ static bool enter(Path *path, const FlightStretch *stretch, double begin, double
     const World *world = path->tracer->world;
     Airway *way = &path->way;
     Lanes scattering, even;
-    way->share = way->rarity = way->shaft = 0;
+    way->share = way->rarity = way->shaft = way->beam = 0;
     way->lights = world_lights_in(world, stretch->medium);
-    if ((!way->lights->n && !world->guide) || !(length > 0) ||
+    if ((!way->lights->n && !world->guide && !world->n_beam_ways) || !(length > 0) ||
         !typical(path, stretch->medium, stretch->uneven, &scattering, &even))
         return false;
     float mean = lanes_mean(scattering), of_even = lanes_mean(even), all = float_max(of_even, mean);
@@ -196,12 +224,6 @@ typedef struct Look {
     LightSample light; /* pdf_w: p */
     float here, there; /* q a(t); c */
 } Look;
-
-static uint32_t dimension(const Path *path, uint32_t number, uint32_t which)
-{
-    enum { NUMBERS = 4 };
-    return DIM_AIRLIGHT + airlight_stretch(path, number) * NUMBERS + which;
-}
 
 double airlight_off_ends(const Path *path, double t)
 {
@@ -287,15 +309,15 @@ static Lanes scattered_at(Path *path, const Look *look, uint32_t medium, bool un
 
 static void look(Path *path, const FlightStretch *stretch)
 {
-    const uint32_t number = stretch->number;
+    const uint32_t number = airlight_stretch(path, stretch->number);
     float choice[2], u[2];
-    sampler_2d(&path->sampler, dimension(path, number, 2), u);
+    sampler_2d(&path->sampler, airlight_dimension(number, AIRLIGHT_PLACE), u);
     if (u[0] >= path->way.share) return;
-    sampler_2d(&path->sampler, dimension(path, number, 0), choice);
+    sampler_2d(&path->sampler, airlight_dimension(number, AIRLIGHT_CHOICE), choice);
     LightQuery query = {.time = path->ray.time,
                         .rest = (double)choice[0] + (double)choice[1] * 0x1p-24,
                         .wavelength_nm = path->wavelengths.nm};
-    sampler_2d(&path->sampler, dimension(path, number, 1), query.u);
+    sampler_2d(&path->sampler, airlight_dimension(number, AIRLIGHT_LIGHT), query.u);
     const LightChoice *chosen = light_choose(path->way.lights, &query.rest);
     Look look;
     if (!(chosen->light == LIGHT_NEAR ? look_near(path, &query, u, &look) : look_far(path, chosen, &query, u, &look)))
@@ -319,6 +341,7 @@ void airlight_look(Path *path, const FlightStretch *stretch, double begin, doubl
 {
     if (!enter(path, stretch, begin, length)) return;
     shaft_look(path, stretch);
+    if (UNLIKELY(path->tracer->world->n_beam_ways)) beam_ways_look(path, stretch);
     if (is_looked_at(path)) look(path, stretch);
 }
 
@@ -327,7 +350,7 @@ void airlight_look(Path *path, const FlightStretch *stretch, double begin, doubl
 void airlight_note(Path *path, const FreeFlight *flight, bool uneven, double t)
 {
     Airway *way = &path->way;
-    if ((!(way->share > 0) && !(way->shaft > 0)) || t > way->end) return;
+    if ((!(way->share > 0) && !(way->shaft > 0) && !(way->beam > 0)) || t > way->end) return;
     way->n_media = uneven ? (uint32_t)path->tracer->parts.n : 1;
     way->by_lane = by_lane(way, flight->coefficient, lanes_sub(flight->scattered, way->scattered));
     float density = lanes_mean(way->by_lane) / lanes_mean(way->ratio);

@@ -26,10 +26,16 @@ enum { AIRLIGHT_STRETCHES = 8 };
 void airlight_look(Path *path, const FlightStretch *stretch, double begin, double length);
 /* The flight was scattered at t, of the last stretch. */
 void airlight_note(Path *path, const FreeFlight *flight, bool uneven, double t);
-/* Which of all the stretches of a path it is, for random numbers. */
+/* Which of all the stretches of a path it is, for random numbers, */
 static inline uint32_t airlight_stretch(const Path *path, uint32_t number)
 {
     return path->bounce * AIRLIGHT_STRETCHES + (number < AIRLIGHT_STRETCHES ? number : AIRLIGHT_STRETCHES - 1);
+}
+/* and where those of a stretch are: of which light, of a place on it, of a place of the stretch, and of beams (beam_ways.h). */
+enum { AIRLIGHT_CHOICE, AIRLIGHT_LIGHT, AIRLIGHT_PLACE, AIRLIGHT_BEAMS, AIRLIGHT_NUMBERS };
+static inline uint32_t airlight_dimension(uint32_t stretch, uint32_t which)
+{
+    return DIM_AIRLIGHT + stretch * AIRLIGHT_NUMBERS + which;
 }
 /* A place of the stretch, off the surfaces at both ends by what rounding may take, so that straight rays from there find all that
  * they cross. */
@@ -37,6 +43,15 @@ double airlight_off_ends(const Path *path, double t);
 /* pf(t) where what scatters has this coefficient; depth: since the beginning of the stretch. The mean over the wavelengths, each
  * by how the path came there with it. */
 float airlight_flight_density(const Airway *way, Lanes coefficient, Lanes depth);
+/* A place of the stretch: what scatters there, and what comes to there of what the path carries. */
+typedef struct AirPlace {
+    const Phase *phase;
+    Lanes coefficient, depth, left; /* depth: of what flights are sure to be scattered by */
+} AirPlace;
+
+/* Of several media at the place one is chosen, each as often, of path->way.n_media; *which: uniform in [0, 1), and what that leaves of
+ * it. False: nothing scatters there. */
+bool airlight_place(Path *path, const FlightStretch *stretch, double t, double *which, AirPlace *place);
 /* s, where the phase function is pdf_w at the wavelengths: what path_phase_density says of flights that are scattered there. */
 float airlight_turn_density(const Airway *way, const Phase *phase, Lanes coefficient, Lanes depth, Lanes pdf_w);
 

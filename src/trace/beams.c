@@ -4,6 +4,10 @@
 
 #include <stdlib.h>
 
+#include "base/angle.h"
+#include "optics/sampling.h"
+#include "trace/beam_ways.h"
+
 /* Whether a lamp's cone may come to a ball: by the cone whose tip is so far behind the lamp that it holds all of its cones. */
 static bool comes_to_ball(const SceneLight *light, Vec3 middle, double radius)
 {
@@ -56,17 +60,70 @@ bool beams_have(const World *world, uint32_t emitter)
     return low < world->n_beams && world->beams[low] == emitter;
 }
 
-uint32_t beams_sample(const World *world, double time, uint32_t digits, const float u[2], Vec3 *place, double *area)
+/* How often one of the ways that hold a place is looked along, where there are some. */
+#define ALONG_WAYS 0.75
+
+static uint32_t ways_that_hold(const World *world, Vec3 from)
 {
-    uint32_t emitter = world->beams[(uint64_t)digits * world->n_beams >> 32];
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < world->n_beam_ways; i++) n += beam_way_holds(&world->beam_ways[i], from);
+    return n;
+}
+
+/* Number `which` of these. */
+static const BeamWay *way_that_holds(const World *world, Vec3 from, uint32_t which)
+{
+    const BeamWay *way = world->beam_ways;
+    while (!beam_way_holds(way, from) || which-- > 0) way++;
+    return way;
+}
+
+/* How dense the places are that a look along a way chooses. */
+static double density_along(const BeamWay *way, Vec3 from, const Affine *to_world, Vec3 place, double area)
+{
+    if (!(area > 0)) return 1;
+    double middle[2], reach = beam_way_source(way, from, middle);
+    if (!(reach > 0)) return 1 / area;
+    Vec3 off = vec3_sub(place, to_world->t);
+    double x = vec3_dot(off, affine_vector(to_world, vec3(1, 0, 0))) - middle[0],
+           z = vec3_dot(off, affine_vector(to_world, vec3(0, 0, 1))) - middle[1];
+    return x * x + z * z <= reach * reach ? 1 / (MEN_PI * reach * reach) : 0;
+}
+
+uint32_t beams_sample(const World *world, Vec3 from, double time, uint32_t digits, const float u[2], Vec3 *place,
+                      double *area)
+{
+    double choice = (double)digits * 0x1p-32;
+    uint32_t n_ways = ways_that_hold(world, from);
+    double along = n_ways ? ALONG_WAYS : 0;
+    if (choice < along) {
+        const BeamWay *way = way_that_holds(world, from, (uint32_t)(choice / along * n_ways));
+        *place = light_even_place(world, way->emitter, time, u, area);
+        double middle[2], reach = beam_way_source(way, from, middle);
+        if (!(*area > 0) || !(reach > 0)) return way->emitter;
+        const Affine *to_world = &world->scene->lights[world->emitters.emitters[way->emitter].of].to_world;
+        float x, z;
+        sampling_disc(u[0], u[1], &x, &z);
+        *place = affine_point(to_world, vec3(middle[0] + reach * (double)x, 0, middle[1] + reach * (double)z));
+        return way->emitter;
+    }
+    uint32_t emitter = world->beams[(uint32_t)((choice - along) / (1 - along) * world->n_beams)];
     *place = light_even_place(world, emitter, time, u, area);
     return emitter;
 }
 
-double beams_density(const World *world, uint32_t emitter, double time)
+double beams_density(const World *world, Vec3 from, uint32_t emitter, Vec3 place, double time)
 {
     const float any[2] = {0.5f, 0.5f};
-    double area;
+    const Affine *to_world = &world->scene->lights[world->emitters.emitters[emitter].of].to_world;
+    double area, sum = 0;
     light_even_place(world, emitter, time, any, &area);
-    return 1 / ((area > 0 ? area : 1) * world->n_beams);
+    uint32_t n_ways = ways_that_hold(world, from);
+    for (uint32_t i = 0; i < world->n_beam_ways && n_ways; i++) {
+        const BeamWay *way = &world->beam_ways[i];
+        if (way->emitter == emitter && beam_way_holds(way, from))
+            sum += density_along(way, from, to_world, place, area) / n_ways;
+    }
+    double along = n_ways ? ALONG_WAYS : 0, even = 1 / ((area > 0 ? area : 1) * world->n_beams);
+    return along * sum + (1 - along) * even;
 }

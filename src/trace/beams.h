@@ -15,10 +15,12 @@
 ATTR_NODISCARD Status beams_find(World *world, Error *error);
 /* Whether an emitter is one of these. */
 bool beams_have(const World *world, uint32_t emitter);
-/* One of them, of which there are some, and a place on it, each as likely as another; its area, and 0 of what has no size.
- * digits: 32 of a number in [0, 1), u: in [0, 1). */
-uint32_t beams_sample(const World *world, double time, uint32_t digits, const float u[2], Vec3 *place, double *area);
+/* One of them, of which there are some, and a place on it, to be looked at from a place; its area, and 0 of what has no size. Where the
+ * place is within the way of a narrow beam (beam_ways.h), that one mostly, and where its light comes from. digits: 32 of a number
+ * in [0, 1), u: in [0, 1). */
+uint32_t beams_sample(const World *world, Vec3 from, double time, uint32_t digits, const float u[2], Vec3 *place,
+                      double *area);
 /* The density of that per area of the lamp, the choice included; of what has no size, of the choice alone. */
-double beams_density(const World *world, uint32_t emitter, double time);
+double beams_density(const World *world, Vec3 from, uint32_t emitter, Vec3 place, double time);
 
 #endif

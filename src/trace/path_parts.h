@@ -34,6 +34,7 @@ typedef struct Airway {
     float rarity;           /* and 1 / the density of that; 0: there is none */
     float shaft;            /* see shaft.h: how often looks would be sent if all shares were 1; 0: there are none; */
     double shaft_all;       /* what the guide's cells scatter on the stretch; < 0: not known yet; */
+    float beam;             /* see beam_ways.h: how often looks are sent where beams pass; 0: never; */
     uint32_t n_media;       /* and what fills the place, t */
     Lanes by_lane; /* the density of flights to there, of each lane in relation to the others; where rarity > 0 */
 } Airway;
@@ -117,7 +118,7 @@ static inline void path_init(Path *path, Tracer *tracer, Sampler sampler)
     memset(&path->radiance, 0, offsetof(Path, media) - offsetof(Path, radiance));
     memset(path->media.absorption_of, 0, sizeof path->media.absorption_of);
     memset(path->media.ior_of, 0, sizeof path->media.ior_of);
-    path->way.share = path->way.rarity = path->way.shaft = path->from.rarity = 0;
+    path->way.share = path->way.rarity = path->way.shaft = path->way.beam = path->from.rarity = 0;
     path->tracer = tracer;
     path->sampler = sampler;
     path->beta = path->ratio = lanes_all(1);

@@ -6,6 +6,7 @@
 #include "optics/sampling.h"
 #include "scene/ties.h"
 #include "trace/airlight.h"
+#include "trace/beam_ways.h"
 #include "trace/backdrop.h"
 #include "trace/catcher.h"
 #include "trace/event.h"
@@ -207,11 +208,13 @@ bool path_light_arrives(Path *path, const LightSample *light, Ray *ray, Lanes *b
 
 void path_add_direct_light(Path *path, const LightSample *light, Ray *ray, Lanes scattered, float pdf_w)
 {
+    const World *world = path->tracer->world;
     Lanes basic;
     if (!path_light_arrives(path, light, ray, &basic)) return;
     float others = light->delta ? 0 : pdf_w;
     if (LIKELY(!light->arrives)) others += airlight_rival_sample(path, light); /* which looks straight */
     float weight = sampling_balance(light->pdf_w, others);
+    if (UNLIKELY(light->arrives && world->n_beam_ways)) weight /= 1 + beam_ways_rival(path);
     path_add_radiance(path, lanes_scale(scattered, weight / light->pdf_w), basic);
 }
 

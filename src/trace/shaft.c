@@ -55,41 +55,6 @@ static void consider(void *context, const GuideCell *cell, double begin, double 
     }
 }
 
-/* A place in front of the path: what scatters it there, and what comes to there of what the path carries. */
-typedef struct ShaftPlace {
-    const Phase *phase;
-    Lanes coefficient, depth, left; /* depth: as in airlight.h, of what flights are sure to be scattered by */
-} ShaftPlace;
-
-/* Of several media at the place one is chosen, each as often; *which: uniform in [0, 1), and what that leaves of it. False: nothing
- * scatters there. */
-static bool look_at_place(Path *path, const FlightStretch *stretch, double t, double *which, ShaftPlace *place)
-{
-    const uint32_t medium = stretch->medium;
-    Tracer *tracer = path->tracer;
-    Airway *way = &path->way;
-    if (!stretch->uneven) {
-        const SceneMedium *m = &tracer->world->scene->media[medium];
-        place->phase = &m->phase;
-        way->n_media = 1;
-        place->coefficient = spectrum_at(&m->scattering, path->wavelengths.nm);
-        place->depth = lanes_scale(place->coefficient, flight_length(t - way->begin));
-        place->left = flight_attenuation(flight_depth(path, medium, t - way->begin));
-        return true;
-    }
-    uint32_t n_drawn = 1U << 31; /* numbers of its own */
-    place->left = flight_transmit(path, &path->ray, &tracer->list, way->begin, t, &n_drawn, &place->depth);
-    way->n_media = (uint32_t)tracer->parts.n;
-    if (lanes_zero(place->left) || !way->n_media) return false;
-    double choice = *which * way->n_media;
-    uint32_t i = choice < way->n_media ? (uint32_t)choice : way->n_media - 1;
-    const FlightPart *part = &tracer->parts.items[i];
-    *which = choice - i;
-    place->phase = &part->medium->phase;
-    place->coefficient = lanes_scale(part->scattering, flight_part_density(part, t));
-    return !lanes_zero(place->coefficient);
-}
-
 /* The density of looks for a place of a cell. */
 static float look_density(const Path *path, const Airway *way, const GuideCell *cell)
 {
@@ -105,7 +70,7 @@ typedef struct ShaftLook {
 } ShaftLook;
 
 /* The path becomes as if it had been scattered at the place, a probe is sent, and it becomes what it was. */
-static void send_from(Path *path, const FreeFlight *flight, const ShaftPlace *place, ShaftLook *look, Vec3f direction)
+static void send_from(Path *path, const FreeFlight *flight, const AirPlace *place, ShaftLook *look, Vec3f direction)
 {
     GuideAt *guide = &look->at;
     enum { LOOKS = 1 << 21 }; /* its random numbers are not those of the path's own events and probes */
@@ -158,9 +123,9 @@ static void look_once(Path *path, const FlightStretch *stretch, ShaftLook *look,
     if (u >= often) return;
     double rest = (double)u / (double)often;
     float v[2];
-    ShaftPlace place;
+    AirPlace place;
     sampler_2d(&path->sampler, DIM_SHAFTS + 2 * look->number + 1, v);
-    if (!look_at_place(path, stretch, look->t, &rest, &place)) return;
+    if (!airlight_place(path, stretch, look->t, &rest, &place)) return;
     path_is_guided(path, &look->at);
     Vec3f direction = guide_sample(&look->at, float_min((float)rest, 0x1.fffffep-1f), v);
     if (!path_turn_aside(tracer, &look->t)) {

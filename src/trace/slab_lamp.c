@@ -188,8 +188,9 @@ static float beam_density(const World *world, const LightRival *look, const Ray 
 {
     uint32_t emitter = emitter_of_hit(&world->emitters, hit);
     if (!(look->choices->near > 0) || !beams_have(world, emitter)) return 0;
-    double spread = flat_ray_spread(bent, ray_point(ray, hit->t));
-    return (float)(beams_density(world, emitter, ray->time) * spread / fabs(hit->cos_normal));
+    Vec3 place = ray_point(ray, hit->t);
+    double spread = flat_ray_spread(bent, place);
+    return (float)(beams_density(world, look->from, emitter, place, ray->time) * spread / fabs(hit->cos_normal));
 }
 
 /* The faces by which a look towards a lamp would find a way through slabs that was gone, and how often; false: it would not. from: on
@@ -497,7 +498,7 @@ static void look_at_beam(Path *path, const LookPlace *from, LightLooks *looks)
     double area;
     Vec3 place;
     uint32_t digits = sampler_3d(&path->sampler, DIM_BEAMS + 3 * path->bounce, u);
-    uint32_t emitter = beams_sample(world, path->ray.time, digits, u, &place, &area);
+    uint32_t emitter = beams_sample(world, position, path->ray.time, digits, u, &place, &area);
     Vec3 to = vec3_sub(place, position);
     const double distance = vec3_length(to);
     const bool has_area = area > 0;
@@ -513,7 +514,7 @@ static void look_at_beam(Path *path, const LookPlace *from, LightLooks *looks)
                            .primitive = RTC_NO_OBJECT,
                            .emitter = emitter,
                            .delta = !has_area,
-                           .pdf_w = (float)beams_density(world, emitter, path->ray.time)};
+                           .pdf_w = (float)beams_density(world, position, emitter, place, path->ray.time)};
     LampLook look;
     LampWay way;
     if (!begin_look(path, from, true, &look)) return;

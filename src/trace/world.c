@@ -1,5 +1,6 @@
 /* world.c - which lights there are, how often each is tried, and what surrounds the camera.
  * SPDX-License-Identifier: Apache-2.0 */
+#include "trace/beam_ways.h"
 #include "trace/beams.h"
 #include "trace/world.h"
 
@@ -275,7 +276,7 @@ static Status stand_camera(World *world, Error *error)
     return STATUS_OK;
 }
 
-/* Beacons come last: to find them, paths are traced in the world, which has to be complete but for these. */
+/* Beams' ways and beacons come last: to find them, paths are traced in the world, which has to be complete but for these. */
 static Status init_parts(World *world, uint32_t camera, Pool *pool, Error *error)
 {
     if (camera >= world->scene->n_cameras)
@@ -288,6 +289,7 @@ static Status init_parts(World *world, uint32_t camera, Pool *pool, Error *error
     note_traits(world);
     TRY(stand_camera(world, error));
     reflected_color_init(&world->reflected);
+    TRY(beam_ways_find(world, error));
     return find_beacons(world, error);
 }
 
@@ -322,6 +324,7 @@ Status world_find_mesh_boxes(World *world, Error *error)
 void world_leave_to_chance(World *world)
 {
     world->seeks_airlight = false;
+    world->n_beam_ways = 0;
     for (unsigned reach = 0; reach < REACHES; reach++) {
         LightChoices *choices = &world->choices[reach];
         choices->n = 0;
@@ -340,6 +343,7 @@ void world_clear(World *world)
     media_clear(&world->media);
     slabs_clear(&world->slabs);
     free(world->beams);
+    free(world->beam_ways);
     balances_free(world->balances);
     lens_free(world->lens);
     wavelength_lines_free(world->lines);

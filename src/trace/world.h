@@ -55,6 +55,7 @@ typedef struct Trial {
     bool choices_apart;         /* of ways, lights and lobes: no third coordinates to the places and directions */
     bool fresnel_alone;         /* boundaries reflect as often as they do, wherever lights are */
     bool frost_alone;           /* rough boundaries scatter into a body as ever, wherever lights are behind it */
+    bool flights_alone;         /* media are not looked at where narrow beams go behind flat faces */
     bool hero_alone;            /* goes on where boundaries bend wavelengths apart */
     bool pairs_from_camera;     /* second paths begin there, not where wavelengths part */
     float roulette_below;       /* what paths carry that are left to chance */
@@ -75,8 +76,10 @@ typedef struct World {
     uint32_t n_portal_maps;
     WorldMedia media;
     Beacons beacons;
-    Slabs slabs;                 /* where light from infinity is looked for */
-    uint32_t *beams, n_beams;    /* emitters, see beams.h */
+    Slabs slabs;               /* where light from infinity is looked for */
+    uint32_t *beams, n_beams;  /* emitters, see beams.h */
+    struct BeamWay *beam_ways; /* where the narrow ones of these go, see beam_ways.h */
+    uint32_t n_beam_ways;
     Balances *balances;          /* of surfaces; grows while rendering, by itself in order */
     struct World *bare;          /* NULL, or that of lights and shadow catchers alone, see catcher.h. Not owned */
     CompiledScene *own_compiled; /* of such a world; NULL: this is none */

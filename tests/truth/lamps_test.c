@@ -107,6 +107,40 @@ static void under_water(void **state)
 
 /* ---- against chance ---- */
 
+/* Beams in water that scatters, and in such that varies as well, which the camera's line crosses: looked for where they go, and found by
+ * flights that happen to be scattered within them. */
+static void beams_in_water(void **state)
+{
+    (void)state;
+    static const char *const waters[] = {
+        "box { from = <-40, -1, -40>  to = <40, 12, 40>  interior = murk }\n",
+        "def f(p) = 1 + sin(60 * p.x) * cos(70 * p.z)\n"
+        "medium clouds { ior = 1.33  scattering = .04 / 1mm  density = volume { function = f  from = <-40, -1, -40>"
+        "  to = <40, 12, 40>  cells = 80 } }\n"
+        "box { from = <-40, -1, -40>  to = <40, 12, 40>  interior = clouds }\n"};
+    static const char *const lamps[] = {
+        "light { shape = disc  from = <-18.1, 30, 2.2>  to = <-5.1, 12, 2.2>  radius = .5  angle = 2  radiance = 1e5 "
+        "}\n",
+        "light { shape = spot  from = <-18.1, 30, 2.2>  to = <-5.1, 12, 2.2>  angle = 3  intensity = .04 }\n",
+        "light { shape = disc  from = <-18.1, 30, 2.2>  to = <-5.1, 12, 2.2>  radius = .5  angle = 2  radiance = 1e5 "
+        "}\n"
+        "light { shape = spot  from = <-18.1, 30, 1.8>  to = <-5.1, 12, 2.2>  angle = 3  intensity = .04 }\n"};
+    for (size_t w = 0; w < COUNT_OF(waters); w++)
+        for (size_t i = 0; i < COUNT_OF(lamps); i++) {
+            char text[3000], what[80];
+            snprintf(text, sizeof text, DARK "%s%s", lamps[i], waters[w]);
+            snprintf(what, sizeof what, "beam %zu in water %zu", i + 1, w + 1);
+            RenderSettings looking = truth_small(256), flying = truth_small(8192);
+            looking.caustics = flying.caustics = CAUSTICS_OFF;
+            flying.trial.flights_alone = true;
+            Estimate by_chance = truth_measure_as(text, NULL, &flying), looked = truth_measure_as(text, NULL, &looking);
+            truth_alike(what, by_chance, looked, 4, 0.03);
+            double less = 32 * by_chance.error * by_chance.error / (looked.error * looked.error);
+            printf("      the variance of a sample is %.0f times less\n", less);
+            assert_true(less > 4);
+        }
+}
+
 typedef struct Case {
     const char *what, *between;
     bool photons; /* with them, too */
@@ -235,10 +269,8 @@ static void as_by_chance(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(points),
-        cmocka_unit_test(beams),
-        cmocka_unit_test(under_water),
-        cmocka_unit_test(as_by_chance),
+        cmocka_unit_test(points),         cmocka_unit_test(beams),        cmocka_unit_test(under_water),
+        cmocka_unit_test(beams_in_water), cmocka_unit_test(as_by_chance),
     };
     return cmocka_run_group_tests_name("lamps", tests, NULL, NULL);
 }

@@ -1,0 +1,438 @@
+/* beam_ways.c - see beam_ways.h.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "trace/beam_ways.h"
+
+#include <stdlib.h>
+
+#include "optics/sampling.h"
+#include "trace/airlight.h"
+#include "trace/slab_look.h"
+
+/* Lamps whose cones are wider, as the cosine of half of that, light so much that flights find it. */
+#define NARROW 0.966
+/* Rays of each lamp, events of each, and straight parts of its way. */
+enum { RAYS = 32, MOST_EVENTS = 64, MOST_PARTS = 16 };
+/* The rays' random numbers: no pixel of a picture has this coordinate. */
+enum { RAY_PIXEL = 0x6265616d };
+/* As how much wider a beam is taken than those rays are. */
+#define WIDER 1.1
+/* Of its own radii, how far beside a beam places are looked at. */
+#define BESIDE 3.0
+/* Stretches of paths that media have scattered more often are not looked at. */
+enum { MOST_SCATTERED = 1 };
+
+/* ---- ways ---- */
+
+/* A straight part of a ray's way. steps: of the faces before; place: where it left the lamp, as a BeamWay has it. */
+typedef struct Part {
+    uint64_t steps;
+    Vec3 from, to;
+    double place[2];
+} Part;
+
+/* Where a ray goes that does not end. */
+static double far_away(const World *world, Vec3 from)
+{
+    double far = 0;
+    for (uint32_t i = 0; i < world->slabs.n_boxes; i++) {
+        Box3 box = world->slabs.boxes[i];
+        far = fmax(far, vec3_length(vec3_sub(box.max, box.min)) + vec3_length(vec3_sub(box.max, from)));
+    }
+    return 10 * far;
+}
+
+/* The parts behind the first face; returns how many. place: where the ray left the lamp. */
+static uint32_t follow(Path *path, const double place[2], Part *parts)
+{
+    const World *world = path->tracer->world;
+    uint64_t steps = 0;
+    uint32_t n = 0;
+    for (bool behind = false; path->bounce < MOST_EVENTS && n < MOST_PARTS; path->bounce++) {
+        Event event;
+        SlabFace face;
+        Vec3 from = path->ray.origin;
+        path_next_event(path, &event);
+        if (event.kind == EVENT_LOST) break;
+        double t = event.kind == EVENT_ESCAPE ? far_away(world, from) : event.hit.t;
+        if (behind) parts[n++] = (Part){steps, from, ray_point(&path->ray, t), {place[0], place[1]}};
+        if (event.kind == EVENT_OPAQUE) {
+            if (!slab_cross_pane(path, &event)) break;
+            continue;
+        }
+        if (event.kind != EVENT_BOUNDARY || !slab_look_at_face(path, &event, &face) || !face.passes) break;
+        steps = slab_step(steps, face.number, false);
+        behind = true;
+        path_leave(path, &event, &face.place, true, face.refracted);
+    }
+    return n;
+}
+
+/* Across a direction, or on a lamp. */
+static void across(Vec3 off, Vec3 x, Vec3 y, double at[2])
+{
+    at[0] = vec3_dot(off, x);
+    at[1] = vec3_dot(off, y);
+}
+
+/* One of a lamp's rays; false: it has none. */
+static bool leave_lamp(Path *path, uint32_t emitter, double at[2])
+{
+    Tracer *tracer = path->tracer;
+    const World *world = tracer->world;
+    const SceneLight *light = &world->scene->lights[world->emitters.emitters[emitter].of];
+    float u[2], v[2];
+    double area;
+    sampler_2d(&path->sampler, sampler_dimension(0, DIM_LIGHT), u);
+    sampler_2d(&path->sampler, sampler_dimension(0, DIM_SCATTER), v);
+    path->ray.time = world->moves ? (double)sampler_1d(&path->sampler, DIM_TIME) : 0;
+    Vec3 place = light_even_place(world, emitter, path->ray.time, u, &area);
+    Vec3f x, y, axis = vec3f_from(vec3_normalize(affine_vector(&light->to_world, vec3(0, 1, 0))));
+    sampling_basis(axis, &x, &y);
+    float p, q, stretch = (float)sqrt(1 - light->cos_none * light->cos_none);
+    sampling_disc(v[0], v[1], &p, &q);
+    Vec3f direction = vec3f_along(vec3f_along(axis, stretch * p, x), stretch * q, y);
+    const double time = path->ray.time;
+    across(vec3_sub(place, light->to_world.t), affine_vector(&light->to_world, vec3(1, 0, 0)),
+           affine_vector(&light->to_world, vec3(0, 0, 1)), at);
+    ray_begin(&path->ray, vec3_along(place, 1e-4 * sqrt(area), vec3_from_f(axis)), vec3f_normalize(direction));
+    path->ray.time = time;
+    return compiled_interior(world->compiled, vec3f_from(path->ray.origin), time, &tracer->shadow_hits, &tracer->list,
+                             NULL) == STATUS_OK;
+}
+
+/* How far beside the way the parts are at one of its ends, and, *along, how far they reach there. */
+static double radius_at(const BeamWay *way, const Part *parts, uint32_t n, uint64_t steps, bool end, double *along)
+{
+    double radius = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        if (parts[i].steps != steps) continue;
+        Vec3 off = vec3_sub(end ? parts[i].to : parts[i].from, way->from);
+        double at = vec3_dot(off, way->along);
+        radius = fmax(radius, vec3_length(vec3_along(off, -at, way->along)));
+        *along = end ? fmax(*along, at) : fmin(*along, at);
+    }
+    return WIDER * radius;
+}
+
+/* Sums of what is of one way. */
+typedef struct Sums {
+    double n, p[2], c[2], pp[3],
+        cp[2][2]; /* of places across the way, of those on the lamp, and of products: pp[0][0], [0][1], [1][1] */
+} Sums;
+
+static void across_way(const BeamWay *way, Vec3 place, double at[2])
+{
+    across(vec3_sub(place, way->from), vec3_from_f(way->side[0]), vec3_from_f(way->side[1]), at);
+}
+
+static void add_up(const BeamWay *way, const Part *part, Sums *sums)
+{
+    const double *c = part->place;
+    for (int end = 0; end < 2; end++) {
+        double p[2];
+        across_way(way, end ? part->to : part->from, p);
+        sums->n++;
+        sums->pp[0] += p[0] * p[0], sums->pp[1] += p[0] * p[1], sums->pp[2] += p[1] * p[1];
+        for (int i = 0; i < 2; i++) {
+            sums->p[i] += p[i], sums->c[i] += c[i];
+            for (int k = 0; k < 2; k++) sums->cp[i][k] += c[i] * p[k];
+        }
+    }
+}
+
+/* By least squares over the rays. */
+static void fit_source(const Part *parts, uint32_t n, uint64_t steps, BeamWay *way)
+{
+    Sums sums = {0};
+    for (uint32_t i = 0; i < n; i++)
+        if (parts[i].steps == steps) add_up(way, &parts[i], &sums);
+    const double more = 1 / sums.n;
+    for (int i = 0; i < 2; i++) way->across_mean[i] = sums.p[i] * more, way->place_mean[i] = sums.c[i] * more;
+    const double *p = way->across_mean, *c = way->place_mean;
+    double xx = sums.pp[0] * more - p[0] * p[0], xy = sums.pp[1] * more - p[0] * p[1],
+           yy = sums.pp[2] * more - p[1] * p[1], ridge = 1e-9 * (xx + yy);
+    double determinant = (xx + ridge) * (yy + ridge) - xy * xy;
+    if (!(determinant > 0)) return;
+    for (int i = 0; i < 2; i++) {
+        double x = sums.cp[i][0] * more - c[i] * p[0], y = sums.cp[i][1] * more - c[i] * p[1];
+        way->slope[i][0] = (x * (yy + ridge) - y * xy) / determinant;
+        way->slope[i][1] = (y * (xx + ridge) - x * xy) / determinant;
+    }
+    for (uint32_t i = 0; i < n; i++) {
+        if (parts[i].steps != steps) continue;
+        for (int end = 0; end < 2; end++) {
+            double middle[2];
+            beam_way_source(way, end ? parts[i].to : parts[i].from, middle);
+            double off = hypot(parts[i].place[0] - middle[0], parts[i].place[1] - middle[1]);
+            way->reach[end] = fmax(way->reach[end], WIDER * off);
+        }
+    }
+}
+
+/* What the parts make that have come by those faces; false: nothing that has a length. fits: lamps do not move. */
+static bool way_of(const Part *parts, uint32_t n, uint64_t steps, bool fits, BeamWay *way)
+{
+    Vec3 from = vec3(0, 0, 0), to = vec3(0, 0, 0);
+    double n_of_way = 0, begin = 0, end = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        if (parts[i].steps != steps) continue;
+        from = vec3_add(from, parts[i].from);
+        to = vec3_add(to, parts[i].to);
+        n_of_way++;
+    }
+    way->from = vec3_scale(from, 1 / n_of_way);
+    Vec3 along = vec3_sub(vec3_scale(to, 1 / n_of_way), way->from);
+    if (!(vec3_length(along) > 0)) return false;
+    way->along = vec3_normalize(along);
+    sampling_basis(vec3f_from(way->along), &way->side[0], &way->side[1]);
+    for (int i = 0; i < 2; i++) way->radius[i] = radius_at(way, parts, n, steps, i == 1, i == 1 ? &end : &begin);
+    way->from = vec3_along(way->from, begin, way->along);
+    way->length = end - begin;
+    double least = 1e-6 * way->length;
+    for (int i = 0; i < 2; i++) way->radius[i] = fmax(way->radius[i], least);
+    if (fits) fit_source(parts, n, steps, way);
+    return way->length > 0;
+}
+
+/* The wavelength below which a part of what a lamp shines is; the ends of what is seen do not count. */
+static float wavelength_below(const SceneLight *light, float part)
+{
+    enum { FROM = 390, TO = 720 };
+    float sums[TO - FROM], all = 0;
+    for (int i = 0; i < TO - FROM; i++)
+        sums[i] = all += lanes_get(spectrum_at(&light->radiance, lanes_all((float)(FROM + i))), 0);
+    int at = 0;
+    while (at < TO - FROM - 1 && sums[at] <= part * all) at++;
+    return (float)(FROM + at);
+}
+
+/* Adds the ways of a lamp. */
+static void add_ways(World *world, Tracer *tracer, uint32_t emitter)
+{
+    Part parts[RAYS * MOST_PARTS];
+    const SceneLight *light = &world->scene->lights[world->emitters.emitters[emitter].of];
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < RAYS && !tracer->out_of_memory; i++) {
+        Path path;
+        path_init(&path, tracer, sampler_make(0, RAY_PIXEL, emitter, i));
+        path.wavelengths = (WavelengthSample){.nm = lanes_all(wavelength_below(light, ((float)i + 0.5f) / RAYS))};
+        path.straight = path.for_light = true;
+        double place[2];
+        if (leave_lamp(&path, emitter, place)) n += follow(&path, place, parts + n);
+    }
+    for (uint32_t i = 0; i < n && world->n_beam_ways < BEAM_WAYS_MOST; i++) {
+        bool known = false;
+        for (uint32_t k = 0; k < i; k++) known |= parts[k].steps == parts[i].steps;
+        if (known) continue;
+        BeamWay way = {.emitter = emitter};
+        if (way_of(parts, n, parts[i].steps, !world->moves, &way)) world->beam_ways[world->n_beam_ways++] = way;
+    }
+}
+
+Status beam_ways_find(World *world, Error *error)
+{
+    if (!world->n_beams) return STATUS_OK;
+    world->beam_ways = calloc(BEAM_WAYS_MOST, sizeof *world->beam_ways);
+    if (!world->beam_ways) return fail_memory(error, BEAM_WAYS_MOST * sizeof *world->beam_ways, "beams of light");
+    Tracer tracer;
+    tracer_init(&tracer, world);
+    for (uint32_t i = 0; i < world->n_beams; i++) {
+        const SceneLight *light = &world->scene->lights[world->emitters.emitters[world->beams[i]].of];
+        if (light->cos_none >= NARROW) add_ways(world, &tracer, world->beams[i]);
+    }
+    bool out_of_memory = tracer.out_of_memory;
+    tracer_clear(&tracer);
+    return out_of_memory ? fail(error, STATUS_NOMEM, "out of memory for beams of light") : STATUS_OK;
+}
+
+/* ---- places within a way ---- */
+
+/* Of two numbers at the ends of a way, what it is at a length from its beginning. */
+static double between(const BeamWay *way, const double ends[2], double at)
+{
+    double part = fmin(fmax(at / way->length, 0), 1);
+    return ends[0] + part * (ends[1] - ends[0]);
+}
+
+bool beam_way_holds(const BeamWay *way, Vec3 place)
+{
+    Vec3 off = vec3_sub(place, way->from);
+    double at = vec3_dot(off, way->along), radius = between(way, way->radius, at);
+    if (at < -radius || at > way->length + radius) return false;
+    off = vec3_along(off, -at, way->along);
+    return vec3_dot(off, off) <= radius * radius;
+}
+
+double beam_way_source(const BeamWay *way, Vec3 place, double middle[2])
+{
+    double p[2];
+    across_way(way, place, p);
+    for (int i = 0; i < 2; i++)
+        middle[i] = way->place_mean[i] + way->slope[i][0] * (p[0] - way->across_mean[0]) +
+                    way->slope[i][1] * (p[1] - way->across_mean[1]);
+    return between(way, way->reach, vec3_dot(vec3_sub(place, way->from), way->along));
+}
+
+/* ---- places on a stretch ---- */
+
+/* Where a stretch passes a way: places within the beam mostly, each as often, and the others, or all where it goes beside, by an angle
+ * under which something as far from the stretch's foot as the axis, and the radius more, would see them. */
+typedef struct Passing {
+    double foot, begin, end; /* the others, from the foot */
+    double within;           /* as far as this from the foot it is within the beam; 0: it is not */
+    double distance, angle;
+    float weight; /* 1: it goes through the beam; less: beside it */
+} Passing;
+
+/* How often places within the beam are chosen. */
+#define WITHIN 0.85
+
+/* Where it is beside the way's ends; false: nowhere. */
+static bool cut_to_way(const BeamWay *beam, double turn, double at, double *begin, double *end)
+{
+    const double level = 1e-12, first = -beam->radius[0] - at, last = beam->length + beam->radius[1] - at;
+    if (fabs(turn) < level) return first <= 0 && last >= 0;
+    *begin = fmax(*begin, fmin(first / turn, last / turn));
+    *end = fmin(*end, fmax(first / turn, last / turn));
+    return *begin < *end;
+}
+
+/* False: it does not pass near. */
+static bool pass_by(const BeamWay *beam, const Airway *way, Passing *passing)
+{
+    const Vec3 direction = vec3_from_f(way->direction), from = vec3_sub(way->origin, beam->from);
+    double turn = vec3_dot(direction, beam->along), at = vec3_dot(from, beam->along);
+    double begin = way->begin, end = way->end;
+    if (!cut_to_way(beam, turn, at, &begin, &end)) return false;
+    Vec3 across = vec3_along(direction, -turn, beam->along), beside = vec3_along(from, -at, beam->along);
+    double square = fmax(vec3_dot(across, across), 1e-12), foot = -vec3_dot(beside, across) / square;
+    double nearest = fmin(fmax(foot, begin), end);
+    double radius = between(beam, beam->radius, at + nearest * turn), radius2 = radius * radius;
+    Vec3 off = vec3_along(beside, nearest, across), off_foot = vec3_along(beside, foot, across);
+    double distance2 = vec3_dot(off, off), foot2 = vec3_dot(off_foot, off_foot);
+    if (distance2 > BESIDE * BESIDE * radius2) return false;
+    *passing = (Passing){.foot = foot, .begin = begin - foot, .end = end - foot, .weight = 1};
+    passing->distance = sqrt((foot2 + radius2) / square);
+    passing->angle = sampling_angle(passing->distance, passing->begin, passing->end);
+    if (distance2 < radius2)
+        passing->within = sqrt((radius2 - foot2) / square);
+    else
+        passing->weight = (float)(radius2 / distance2);
+    return passing->angle > 0;
+}
+
+/* The part of those places that is on the stretch, from *begin on; 0 or less: none. */
+static double within_from(const Passing *passing, double *begin)
+{
+    *begin = fmax(-passing->within, passing->begin);
+    return passing->within > 0 ? fmin(passing->within, passing->end) - *begin : 0;
+}
+
+static double passing_sample(const Passing *passing, double u)
+{
+    double begin, length = within_from(passing, &begin), within = length > 0 ? WITHIN : 0;
+    if (u < within) return passing->foot + begin + u / within * length;
+    u = (u - within) / (1 - within);
+    return passing->foot + sampling_equiangular(u, passing->distance, passing->begin, passing->end, passing->angle);
+}
+
+static float passing_density(const Passing *passing, double t)
+{
+    double off = t - passing->foot, begin, length = within_from(passing, &begin);
+    if (off < passing->begin || off > passing->end) return 0;
+    double pdf = sampling_equiangular_pdf(off, passing->distance, passing->begin, passing->end, passing->angle);
+    if (length > 0) pdf = (1 - WITHIN) * pdf + (off >= begin && off <= begin + length ? WITHIN / length : 0);
+    return (float)pdf;
+}
+
+/* b(t): of all ways, as often as the stretch passes any. */
+static float place_density(const World *world, const Airway *way, double t)
+{
+    float sum = 0, all = 0;
+    for (uint32_t i = 0; i < world->n_beam_ways; i++) {
+        Passing passing;
+        if (!pass_by(&world->beam_ways[i], way, &passing)) continue;
+        all += passing.weight;
+        sum += passing.weight * passing_density(&passing, t);
+    }
+    return all > 1 ? sum / all : sum;
+}
+
+/* A place, by numbers in [0, 1); false: none, as often as the stretch passes all ways by. */
+static bool choose_place(const Path *path, float u, float v, double *t)
+{
+    const World *world = path->tracer->world;
+    Passing chosen = {.weight = 0};
+    float all = 0, rest = v;
+    for (uint32_t i = 0; i < world->n_beam_ways; i++) {
+        Passing passing;
+        if (!pass_by(&world->beam_ways[i], &path->way, &passing)) continue;
+        all += passing.weight;
+        float part = passing.weight / all;
+        if (rest < part) {
+            chosen = passing;
+            rest /= part;
+        } else {
+            rest = (rest - part) / (1 - part);
+        }
+    }
+    if (!(u < float_min(all, 1))) return false;
+    *t = airlight_off_ends(path, passing_sample(&chosen, (double)float_min(rest, 0x1.fffffep-1f)));
+    return true;
+}
+
+/* ---- looks ---- */
+
+/* What is scattered there of the light that looks find by faces. density: of the place, of all that find it. */
+static Lanes gather(Path *path, const AirPlace *place, double t, float density)
+{
+    const Airway *way = &path->way;
+    const SurfacePlace there = {.position = ray_point(&path->ray, t), .apart = true};
+    const LookPlace from = {NULL, &there, path_lights(path, false), vec3f(0, 0, 0)};
+    LightLooks looks;
+    Lanes sum = lanes_all(0);
+    path_look_at_light(path, &from, &looks);
+    for (uint32_t i = 0; i < looks.n; i++) {
+        const LightSample *light = &looks.lights[i];
+        if (!(light->pdf_w > 0) || !light->arrives) continue; /* what comes straight is looked for by airlight.c */
+        Lanes pdf = phase_evaluate(place->phase, path->ray.direction, light->direction, path->wavelengths.nm);
+        float by_chance =
+            light->delta ? 0 : airlight_turn_density(way, place->phase, place->coefficient, place->depth, pdf);
+        float weight = sampling_balance(light->pdf_w, by_chance) / (light->pdf_w * density);
+        sum = lanes_add(sum, lanes_mul(lanes_scale(pdf, weight), *light->arrives));
+    }
+    return lanes_mul(sum, lanes_mul(place->coefficient, place->left));
+}
+
+void beam_ways_look(Path *path, const FlightStretch *stretch)
+{
+    enum { LOOKS = 1 << 22 }; /* its random numbers are not those of the path's own events, probes and other looks */
+    Tracer *tracer = path->tracer;
+    Airway *way = &path->way;
+    if (path->n_scattered > MOST_SCATTERED || tracer->world->trial.flights_alone) return;
+    const uint32_t number = airlight_stretch(path, stretch->number), bounce = path->bounce;
+    float u[2];
+    double which = (double)sampler_3d(&path->sampler, airlight_dimension(number, AIRLIGHT_BEAMS), u) * 0x1p-32, t;
+    AirPlace place;
+    way->beam = way->carried;
+    if (!choose_place(path, u[0] / way->beam, u[1], &t) || !airlight_place(path, stretch, t, &which, &place)) return;
+    float looked = way->beam * place_density(tracer->world, way, t) / (float)way->n_media;
+    float density = looked + airlight_flight_density(way, place.coefficient, place.depth);
+    if (!(looked > 0)) return;
+    if (!path_turn_aside(tracer, &t)) {
+        tracer->out_of_memory = true;
+        return;
+    }
+    path->bounce = LOOKS + number;
+    Lanes light = gather(path, &place, t, density);
+    path->bounce = bounce;
+    path_turn_back(tracer);
+    flight_add_light(path, stretch->flight, light);
+}
+
+float beam_ways_rival(const Path *path)
+{
+    const Airway *way = &path->from;
+    if (!(way->rarity > 0) || !(way->beam > 0)) return 0;
+    return way->rarity * way->beam * place_density(path->tracer->world, way, way->t) / (float)way->n_media;
+}
