@@ -409,15 +409,28 @@ typedef struct Held {
     uint32_t n;
 } Held;
 
-/* Some of n more, each of which counts as `part`. */
-static void hold(Held *held, const Photon *photons, uint32_t n, float part)
+/* Some of n more, each of which counts as `part`: those that are not farther from the origin. */
+static void hold(Held *held, const Photon *photons, uint32_t n, float part, Vec3f origin, float farthest)
 {
     uint32_t full = held->n + HELD_TO;
     for (uint32_t i = 0; i < n && held->n < full; i++) {
-        if (photons[i].lobe) continue;
+        if (photons[i].lobe || vec3f_length(vec3f_along(photons[i].position, -1, origin)) > farthest) continue;
         held->photons[held->n] = &photons[i];
         held->flux[held->n++] = part * photon_flux_there(&photons[i]);
     }
+}
+
+/* From a cell and those beside it: what the tree has near by may be far away, and knows nothing of the cell. (Cells of a wall behind a
+ * chandelier held lobes of its bulbs to few strong photons that had landed on its ring, and chose these for nine of ten directions.) */
+static void hold_all(Held *held, const GuidePhotons *cell)
+{
+    const float beside = 2; /* of its own radius */
+    float radius = 0;
+    for (uint32_t i = 0; i < cell->n; i++)
+        radius = float_max(radius, vec3f_length(vec3f_along(cell->photons[i].position, -1, cell->origin)));
+    hold(held, cell->photons, cell->n, 1, cell->origin, radius);
+    for (int side = 0; side < 2; side++)
+        hold(held, cell->near[side].photons, cell->near[side].n, cell->near_part, cell->origin, beside * radius);
 }
 
 /* What comes by one way, that of photon number `first`. */
@@ -517,8 +530,7 @@ static uint32_t add_broad(const GuidePhotons *cell, uint32_t n_narrow, float bro
     Held held = {.n = 0};
     Way ways[GUIDE_CELL_WAYS];
     float pdf[3 * HELD_TO][CHOICES], parts[CHOICES] = {1 - broad};
-    hold(&held, cell->photons, cell->n, 1);
-    for (int side = 0; side < 2; side++) hold(&held, cell->near[side].photons, cell->near[side].n, cell->near_part);
+    hold_all(&held, cell);
     uint32_t n_ways = find_ways(&held, ways), n_broad = n_ways + 1;
     for (uint32_t k = 0; k < n_ways; k++) others[k] = lobe_of_way(&held, &ways[k]);
     others[n_ways] = lobe_of_all(cell->photons, cell->n);
