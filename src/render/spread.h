@@ -14,8 +14,9 @@
  *   the spot of a lens or a rainbow on a dark wall, they go to what is found among them, or stay.
  * - Where comparable samples of near pixels differ in number beyond chance, those with more of them get more: lines and points
  *   stay as sharp as they were found.
- * - It goes to pixels that show the same thing first, by how much of them does; not over the thing's edge. A medium that
- *   scatters behind clear things is a thing of its own, and what such a sample shows that found its light on the way. Pixels get
+ * - It goes to pixels that show the same thing first, by how much of them does; not over the thing's edge. Parts of an
+ *   object with other surfaces are things of their own, right behind its clear face, too; and so are a medium that
+ *   scatters behind clear things, and what such a sample shows that found its light on the way. Pixels get
  *   by what is reflected there, in each channel, so that a texture stays whatever it is lit by; and those that have less light
  *   than their surroundings get less, so that shadows keep their contrast; where all have some of such samples, what they usually
  *   have counts, too. What an edge would cut off is folded at it, so that there is no dark frame along edges.

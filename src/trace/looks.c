@@ -30,6 +30,29 @@ static bool same(const void *context, uint32_t i, uint32_t k)
     return memcmp(&a, &b, sizeof a) == 0;
 }
 
+/* Of looks: parts of one whole with the same surface. */
+static uint32_t hash_of_thing(const void *context, uint32_t i)
+{
+    const ObjectLook *look = &((const ObjectLook *)context)[i];
+    return (uint32_t)hash_u64((uint64_t)look->whole << 32 | look->surface);
+}
+
+static bool is_one_thing(const void *context, uint32_t i, uint32_t k)
+{
+    const ObjectLook *a = &((const ObjectLook *)context)[i], *b = &((const ObjectLook *)context)[k];
+    return a->whole == b->whole && a->surface == b->surface;
+}
+
+static Status find_things(ObjectLook *looks, uint32_t n, Error *error)
+{
+    const EqualItems items = {.context = looks, .hash = hash_of_thing, .same = is_one_thing};
+    uint32_t *first = NULL;
+    TRY(equal_find(&items, n, "comparing the parts of objects", NULL, &first, error));
+    for (uint32_t i = 0; i < n; i++) looks[i].thing = first[i];
+    free(first);
+    return STATUS_OK;
+}
+
 Status looks_find(const Scene *scene, ObjectLook **looks, Error *error)
 {
     const EqualItems items = {.context = scene, .hash = hash_of, .same = same};
@@ -47,5 +70,5 @@ Status looks_find(const Scene *scene, ObjectLook **looks, Error *error)
                                .identity = object->texture_frame == SCENE_NONE ? 0 : scene_texture_identity(scene, i)};
     }
     free(first);
-    return STATUS_OK;
+    return find_things(made, scene->n_objects, error);
 }

@@ -117,7 +117,7 @@ static bool survives(Path *path)
     return true;
 }
 
-/* The object that an event is at; what scatters in front of all objects is one more, and what does behind boundaries alone
+/* What an event is at: an object, or those of its parts that have one surface; what scatters in front of all objects is one more, and what does behind boundaries alone
  * more than that, by its medium: wax in a clear oil is seen apart from the oil, though the glass around both is met first. */
 static uint32_t scattered_by(const World *world, uint32_t medium, bool first)
 {
@@ -129,7 +129,16 @@ static uint32_t seen_first(const World *world, const Event *event, bool first)
     if (event->kind == EVENT_SCATTER) return scattered_by(world, event->medium, first);
     if (event->kind != EVENT_OPAQUE && event->kind != EVENT_BOUNDARY) return SCENE_NONE;
     const ObjectLook *look = &world->looks[event->hit.object];
-    return look->light != SCENE_NONE ? SCENE_NONE : look->whole;
+    return look->light != SCENE_NONE ? SCENE_NONE : look->thing;
+}
+
+/* Whether a surface right behind the first one is a part of the same object with another surface: letters engraved in the back of a
+ * sheet are seen apart from its face, else what shines in them would be shared out over the face. */
+static bool is_other_part(const World *world, uint32_t seen, const Event *event)
+{
+    if ((event->kind != EVENT_OPAQUE && event->kind != EVENT_BOUNDARY) || seen >= world->scene->n_objects) return false;
+    const ObjectLook *here = &world->looks[event->hit.object], *first = &world->looks[seen];
+    return here->whole == first->whole && here->thing != first->thing && here->light == SCENE_NONE;
 }
 
 /* Light that was looked for, and found, on the way to what is met first, was scattered there; so what the path met is not what such a
@@ -203,18 +212,20 @@ static void follow(Path *path, bool first)
     Tracer *tracer = path->tracer;
     const World *world = tracer->world;
     const bool textured = world->scene->n_textures > 0;
-    bool clear = first; /* nothing but boundaries so far */
+    bool clear = first, second = false; /* nothing but boundaries so far; what comes now stands behind one */
     const bool notes_sight = UNLIKELY(tracer->notes_sight) && first;
     const bool looks_ahead = notes_sight && (world->scatters || tracer->notes_behind);
     if (UNLIKELY(looks_ahead)) sight_look(path);
-    for (;; first = false) {
+    for (;; second = first, first = false) {
         Event event;
         if (UNLIKELY(clear && path->looks))
             next_event_noting(path, &event, first);
         else
             path_next_event(path, &event);
         if (textured) path_reach(path, &event);
-        if (first || (clear && event.kind == EVENT_SCATTER)) tracer->seen = seen_first(world, &event, first);
+        if (first || (clear && event.kind == EVENT_SCATTER) ||
+            (UNLIKELY(world->has_parts) && clear && second && is_other_part(world, tracer->seen, &event)))
+            tracer->seen = seen_first(world, &event, first);
         bool notes = textured && clear && event.kind == EVENT_OPAQUE;
         clear = clear && event.kind == EVENT_BOUNDARY;
         if (UNLIKELY(notes_sight && !looks_ahead) && first) sight_note(path, &event, &tracer->first_sight);

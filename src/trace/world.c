@@ -262,6 +262,7 @@ static void note_traits(World *world)
     for (uint32_t i = 0; i < scene->n_objects; i++) {
         world->has_panes |= scene_is_pane(scene, i);
         world->has_paint |= scene_is_painted(scene, i);
+        world->has_parts |= world->looks[i].thing != world->looks[world->looks[i].whole].thing;
     }
     world->seeks_airlight = world->scatters && world_lights(world)->n;
 }

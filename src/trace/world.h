@@ -97,6 +97,7 @@ typedef struct World {
     bool no_absorption;
     Trial trial;
     bool has_panes; /* thin sheets that rays towards lights go through */
+    bool has_parts; /* objects of which some parts have other surfaces */
     bool has_paint; /* boundaries that can be seen between media of one index */
     uint32_t max_bounces;
     Box3 *
