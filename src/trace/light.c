@@ -35,12 +35,13 @@ static void sample_sphere(uint32_t object, double radius, Vec3 centre, Vec3 from
     /* to the near side: what is within the light does not hide it, and a medium takes nothing beyond that */
     Vec3 along = vec3_from_f(direction), beside = vec3_cross(to, along);
     double depth = sqrt(fmax(radius * radius - vec3_dot(beside, beside), 0)), distance = vec3_dot(to, along) - depth;
-    *sample =
-        (LightSample){.direction = direction,
-                      .distance = light_look_distance(distance, depth / radius, vec3_along(from, distance, along)),
-                      .object = object,
-                      .primitive = RTC_NO_OBJECT,
-                      .pdf_w = sampling_cone_pdf((float)cone)};
+    double short_of = light_short_of(distance, depth / radius, vec3_along(from, distance, along));
+    *sample = (LightSample){.direction = direction,
+                            .distance = distance - short_of,
+                            .short_of = short_of,
+                            .object = object,
+                            .primitive = RTC_NO_OBJECT,
+                            .pdf_w = sampling_cone_pdf((float)cone)};
 }
 
 static void sample_distant(const SceneLight *light, const float u[2], LightSample *sample)
@@ -62,8 +63,10 @@ static void sample_place(Vec3 from, Vec3 place, Vec3 normal, bool two_sided, dou
         *sample = (LightSample){.pdf_w = 0};
         return;
     }
+    double short_of = light_short_of(distance, cosine, place);
     *sample = (LightSample){.direction = vec3f_from(vec3_scale(to, 1 / distance)),
-                            .distance = light_look_distance(distance, cosine, place),
+                            .distance = distance - short_of,
+                            .short_of = short_of,
                             .object = RTC_NO_OBJECT,
                             .primitive = RTC_NO_OBJECT,
                             .pdf_w = (float)(distance * distance / (cosine * area))};
@@ -158,9 +161,10 @@ static void sample_point(const SceneLight *light, const Affine *to_world, Vec3 f
     if (!(shape > 0)) return;
     /* It may be on a surface, as a spot in a ceiling is: with this, one that is met at a cosine of 0.04 and more does not hide it. With
      * less, what a medium absorbs would be less by more than rounding. */
-    const double cosine = 0.25;
+    const double cosine = 0.25, short_of = light_short_of(distance, cosine, to_world->t);
     *sample = (LightSample){.direction = vec3f_from(direction),
-                            .distance = light_look_distance(distance, cosine, to_world->t),
+                            .distance = distance - short_of,
+                            .short_of = short_of,
                             .object = RTC_NO_OBJECT,
                             .primitive = RTC_NO_OBJECT,
                             .pdf_w = 1,

@@ -8,7 +8,8 @@
 /* A direction from a point towards a light. */
 typedef struct LightSample {
     Vec3f direction;    /* unit */
-    double distance;    /* how far to look for what is in the way; HUGE_VAL for the environment and distant lights */
+    double distance;    /* how far to look for what is in the way; HUGE_VAL for the environment and distant lights; */
+    double short_of;    /* by how much that ends in front of the place: see light_short_of */
     uint32_t object;    /* that a ray to there is aimed at, see Ray; RTC_NO_OBJECT: none */
     uint32_t primitive; /* of it; RTC_NO_OBJECT: all */
     float pdf_w;        /* per steradian, the choice of the light included; 0: nothing to gain */
@@ -25,12 +26,12 @@ typedef struct LightSample {
     Lanes radiance;       /* actual radiance in the light's own medium; of a delta light its irradiance from there */
 } LightSample;
 
-/* How far to look for what hides a place on a light's surface, which is met at that cosine. The direction is rounded to float, so
+/* How far in front of a place on a light's surface, which is met at that cosine, looks for what hides it end. The direction is rounded to float, so
  * that the ray meets the surface a little beside the place: nothing that near to it blocks, nor anything that is at one place with
  * it, over which the light wins (scene/ties.h), and a wall right behind a flat light is not reached. */
-static inline double light_look_distance(double distance, double cosine, Vec3 place)
+static inline double light_short_of(double distance, double cosine, Vec3 place)
 {
-    return distance - double_min((4e-7 * distance + rtc_rounding(place)) / cosine, 0.5 * distance);
+    return double_min((4e-7 * distance + rtc_rounding(place)) / cosine, 0.5 * distance);
 }
 
 /* The radiance, also of the environment: looked up when nothing is in the way, as it may be far away in memory. */

@@ -108,8 +108,10 @@ void light_flat_sample(const SceneLight *light, const Affine *to_world, Vec3 fro
     *radiance = !(cosine > 0) ? 0 : UNLIKELY(light_is_focused(light)) ? light_shape(light, vec3(0, cosine, 0)) : 1;
     bool beside = in_patch && light->kind == LIGHT_DISC && local.x * local.x + local.z * local.z > w * w;
     if (!(*radiance > 0) || !(area > 0) || beside) return;
+    double short_of = light_short_of(distance, cosine, place);
     *sample = (LightSample){.direction = vec3f_from(vec3_scale(to, 1 / distance)),
-                            .distance = light_look_distance(distance, cosine, place),
+                            .distance = distance - short_of,
+                            .short_of = short_of,
                             .object = light->object,
                             .primitive = RTC_NO_OBJECT,
                             .pdf_w = (float)(distance * distance / (cosine * area))};

@@ -208,7 +208,8 @@ static bool finds_way(const Path *path, Vec3 from, Vec3 to, Vec3f lamp_normal, L
     ray_begin(&look.ray, near, vec3f_from(vec3_normalize(vec3_sub(to, near))));
     look.ray.time = path->ray.time;
     double cosine = fabs((double)vec3f_dot(look.ray.direction, lamp_normal));
-    look.ray.t_max = light_look_distance(vec3_length(vec3_sub(to, near)), cosine, to);
+    const double distance = vec3_length(vec3_sub(to, near));
+    look.ray.t_max = distance - light_short_of(distance, cosine, to);
     bool known = compiled_interior(world->compiled, vec3f_from(near), look.ray.time, &looker->shadow_hits,
                                    &looker->list, NULL) == STATUS_OK;
     bool found = known && find_faces_past(&look, false, 0, way, often);
@@ -450,12 +451,13 @@ static void look_again(LampLook *l, const LampWay *way, Vec3 place, LightLooks *
     looks->n++;
 }
 
-/* What a light's direction leads to: of a surface a little before it, as far as looks go. */
+/* What a light's direction leads to. Not where looks for what hides it end: from there, a little in front of the lamp, bent ways went
+ * past its rim, and a small ball lost up to a tenth of its light. */
 static Vec3 place_of(const Path *path, Vec3 from, const LightSample *light)
 {
     const float any[2] = {0};
     if (light->delta) return light_pivot(path->tracer->world, light->emitter, path->ray.time, 0, any).place;
-    return vec3_along(from, light->distance, vec3_from_f(light->direction));
+    return vec3_along(from, light->distance + light->short_of, vec3_from_f(light->direction));
 }
 
 /* The look is set field by field: most of it is set later. False when memory ends. */
@@ -508,7 +510,7 @@ static void look_at_beam(Path *path, const LookPlace *from, LightLooks *looks)
          light_choice(world, from->choices, emitter, position, from->normal) > 0)) /* it is chosen straight */
         return;
     *light = (LightSample){.direction = direction,
-                           .distance = light_look_distance(distance, 1, place),
+                           .distance = distance - light_short_of(distance, 1, place),
                            .object = has_area ? world->scene->lights[world->emitters.emitters[emitter].of].object
                                               : RTC_NO_OBJECT,
                            .primitive = RTC_NO_OBJECT,
