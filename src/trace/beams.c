@@ -41,8 +41,8 @@ Status beams_find(World *world, Error *error)
     for (uint32_t i = 0; i < set->n; i++) {
         if (set->emitters[i].kind != EMITTER_LIGHT) continue;
         const SceneLight *light = &world->scene->lights[set->emitters[i].of];
-        if ((light->kind == LIGHT_POINT || light_is_focused(light)) && comes_to_slab(world, light))
-            world->beams[world->n_beams++] = i;
+        bool turned = light->kind == LIGHT_POINT || light->kind == LIGHT_SPHERE || light_is_focused(light);
+        if (turned && comes_to_slab(world, light)) world->beams[world->n_beams++] = i;
     }
     return STATUS_OK;
 }
@@ -59,6 +59,63 @@ bool beams_have(const World *world, uint32_t emitter)
     }
     return low < world->n_beams && world->beams[low] == emitter;
 }
+
+/* ---- balls ---- */
+
+/* How often a ball is looked at that was chosen. */
+#define AT_BALLS 0.25
+/* The sine of how far light is turned at most that comes to a ball by faces, where looks are to find it; and what they find besides of
+ * what is seen straight, at its rim. */
+#define TURNED 0.8
+#define RIM 0.2
+
+static bool is_ball(const World *world, uint32_t emitter)
+{
+    return world->scene->lights[world->emitters.emitters[emitter].of].kind == LIGHT_SPHERE;
+}
+
+/* The zone of a ball about the rim of what is seen of it from there. */
+typedef struct Zone {
+    Vec3 centre, towards; /* unit */
+    double radius, begin; /* the cosine to that direction; TURNED + RIM less is its end */
+} Zone;
+
+static Zone zone_of(const World *world, Vec3 from, double time, uint32_t emitter)
+{
+    const float any[2] = {0.5f, 0.5f};
+    double none;
+    Zone zone = {.centre = light_even_place(world, emitter, time, any, &none),
+                 .radius = world->scene->lights[world->emitters.emitters[emitter].of].half_width};
+    Vec3 to = vec3_sub(from, zone.centre);
+    double distance = vec3_length(to);
+    zone.towards = vec3_scale(to, 1 / distance);
+    zone.begin = fmin(zone.radius / distance + RIM, 1);
+    return zone;
+}
+
+static double zone_area(const Zone *zone)
+{
+    return 2 * MEN_PI * zone->radius * zone->radius * (TURNED + RIM);
+}
+
+static Vec3 zone_sample(const Zone *zone, const float u[2])
+{
+    Vec3f x, y;
+    double cosine = zone->begin - (TURNED + RIM) * (double)u[0], sine = sqrt(1 - cosine * cosine),
+           turn = 2 * MEN_PI * (double)u[1];
+    sampling_basis(vec3f_from(zone->towards), &x, &y);
+    Vec3 normal = vec3_along(vec3_scale(zone->towards, cosine), sine * cos(turn), vec3_from_f(x));
+    normal = vec3_normalize(vec3_along(normal, sine * sin(turn), vec3_from_f(y)));
+    return vec3_along(zone->centre, zone->radius, normal);
+}
+
+static double zone_density(const Zone *zone, Vec3 place)
+{
+    double cosine = vec3_dot(vec3_sub(place, zone->centre), zone->towards) / zone->radius;
+    return cosine <= zone->begin && cosine >= zone->begin - (TURNED + RIM) ? AT_BALLS / zone_area(zone) : 0;
+}
+
+/* ---- one of all ---- */
 
 /* How often one of the ways that hold a place is looked along, where there are some. */
 #define ALONG_WAYS 0.75
@@ -107,7 +164,15 @@ uint32_t beams_sample(const World *world, Vec3 from, double time, uint32_t digit
         *place = affine_point(to_world, vec3(middle[0] + reach * (double)x, 0, middle[1] + reach * (double)z));
         return way->emitter;
     }
-    uint32_t emitter = world->beams[(uint32_t)((choice - along) / (1 - along) * world->n_beams)];
+    choice = (choice - along) / (1 - along) * world->n_beams;
+    uint32_t number = (uint32_t)choice, emitter = world->beams[number];
+    if (is_ball(world, emitter)) {
+        if (choice - number >= AT_BALLS) return EMITTER_NONE;
+        Zone zone = zone_of(world, from, time, emitter);
+        *area = zone_area(&zone);
+        *place = zone_sample(&zone, u);
+        return emitter;
+    }
     *place = light_even_place(world, emitter, time, u, area);
     return emitter;
 }
@@ -124,6 +189,10 @@ double beams_density(const World *world, Vec3 from, uint32_t emitter, Vec3 place
         if (way->emitter == emitter && beam_way_holds(way, from))
             sum += density_along(way, from, to_world, place, area) / n_ways;
     }
-    double along = n_ways ? ALONG_WAYS : 0, even = 1 / ((area > 0 ? area : 1) * world->n_beams);
-    return along * sum + (1 - along) * even;
+    double along = n_ways ? ALONG_WAYS : 0, there = 1 / (area > 0 ? area : 1);
+    if (is_ball(world, emitter)) {
+        Zone zone = zone_of(world, from, time, emitter);
+        there = zone_density(&zone, place);
+    }
+    return along * sum + (1 - along) * there / world->n_beams;
 }

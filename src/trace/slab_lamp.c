@@ -158,6 +158,14 @@ static bool parts_colors(const LampWay *way, Vec3 direction, const FlatRay *ray)
 
 /* ---- densities ---- */
 
+/* The object of a lamp that is a ball, which does not hide the places behind it from looks; RTC_NO_OBJECT: it is none. */
+static uint32_t ball_of(const World *world, uint32_t emitter)
+{
+    const Emitter *of = &world->emitters.emitters[emitter];
+    bool ball = of->kind == EMITTER_LIGHT && world->scene->lights[of->of].kind == LIGHT_SPHERE;
+    return ball ? world->scene->lights[of->of].object : RTC_NO_OBJECT;
+}
+
 /* Whether a surface takes light from that direction; normal: as LightQuery's. */
 static bool is_in_front(Vec3f normal, Vec3f direction)
 {
@@ -193,9 +201,20 @@ static float beam_density(const World *world, const LightRival *look, const Ray 
     return (float)(beams_density(world, look->from, emitter, place, ray->time) * spread / fabs(hit->cos_normal));
 }
 
+/* That of both together. Balls are looked at in both ways where straight looks are few, too: by these alone, what is seen at its rim
+ * straight, and in its midst by the bent way, would count without limit. */
+static float density_of_both(const World *world, const LightRival *look, const Ray *ray, const Hit *hit,
+                             const FlatRay *bent)
+{
+    float straight = straight_density(world, look, ray, hit, bent);
+    if (straight > 0 && ball_of(world, emitter_of_hit(&world->emitters, hit)) == RTC_NO_OBJECT) return straight;
+    return straight + beam_density(world, look, ray, hit, bent);
+}
+
 /* The faces by which a look towards a lamp would find a way through slabs that was gone, and how often; false: it would not. from: on
  * that way, in front of the first of them. */
-static bool finds_way(const Path *path, Vec3 from, Vec3 to, Vec3f lamp_normal, LampWay *way, float *often)
+static bool finds_way(const Path *path, Vec3 from, uint32_t emitter, Vec3 to, Vec3f lamp_normal, LampWay *way,
+                      float *often)
 {
     const World *world = path->tracer->world;
     const SlabWay *gone = &path->slab_way;
@@ -210,6 +229,7 @@ static bool finds_way(const Path *path, Vec3 from, Vec3 to, Vec3f lamp_normal, L
     double cosine = fabs((double)vec3f_dot(look.ray.direction, lamp_normal));
     const double distance = vec3_length(vec3_sub(to, near));
     look.ray.t_max = distance - light_short_of(distance, cosine, to);
+    look.ray.target = ball_of(world, emitter);
     bool known = compiled_interior(world->compiled, vec3f_from(near), look.ray.time, &looker->shadow_hits,
                                    &looker->list, NULL) == STATUS_OK;
     bool found = known && find_faces_past(&look, false, 0, way, often);
@@ -245,14 +265,13 @@ float slab_lamp_density(Path *path, const Hit *hit)
     LampWay way;
     float often;
     FlatRay bent;
-    if (!finds_way(path, right_beside(from, gone->first_face), to, hit->normal, &way, &often) ||
+    if (!finds_way(path, right_beside(from, gone->first_face), emitter, to, hit->normal, &way, &often) ||
         !flat_way_find(way.faces, way.n, from, to, &direction, &bent) ||
         vec3_length(vec3_sub(direction, vec3_from_f(gone->direction))) > same ||
         (path->index_lane < 0 && parts_colors(&way, direction, &bent)))
         return 0;
     const LightRival look = {path->scatter_lights, from, path->scatter_normal, -1};
-    float straight = straight_density(world, &look, &path->ray, hit, &bent);
-    return often * (straight > 0 ? straight : beam_density(world, &look, &path->ray, hit, &bent));
+    return often * density_of_both(world, &look, &path->ray, hit, &bent);
 }
 
 bool slab_lamp_is_looked_at(const Path *photon, uint32_t emitter, const Ray *begin, Vec3 place)
@@ -263,7 +282,8 @@ bool slab_lamp_is_looked_at(const Path *photon, uint32_t emitter, const Ray *beg
     uint32_t medium = nest_medium(&photon->tracer->list);
     return world_lights_through(world, medium)->near > 0 && emitter != EMITTER_NONE &&
            !world->emitters.emitters[emitter].cut &&
-           finds_way(photon, right_beside(place, photon->ray.origin), begin->origin, begin->direction, &way, &often) &&
+           finds_way(photon, right_beside(place, photon->ray.origin), emitter, begin->origin, begin->direction, &way,
+                     &often) &&
            !way.past;
 }
 
@@ -355,20 +375,32 @@ static bool follow_to_surface(Path *look, uint32_t emitter, Event *event)
     return false;
 }
 
-/* What comes from a lamp with a surface; pdf_w: its density. */
-static bool see_surface(const LampLook *l, uint32_t emitter, const FlatRay *bent, float *pdf_w, Lanes *arrives)
+/* Whether the place of a lamp that a look went to is the one that it has met: one that faces the look's straight way may lie behind
+ * others by the bent way, which looks find as well that go there. */
+static bool has_met(const LampLook *l, uint32_t emitter, const Ray *ray, const Hit *hit, Vec3 place)
+{
+    const World *world = l->path->tracer->world;
+    double behind = fabs(vec3_dot(vec3_sub(place, ray_point(ray, hit->t)), vec3_from_f(ray->direction)));
+    if (ball_of(world, emitter) == RTC_NO_OBJECT)
+        return behind < 1e-4 * vec3_length(vec3_sub(place, l->from->place->position));
+    return behind < world->scene->lights[world->emitters.emitters[emitter].of].half_width * fabs(hit->cos_normal);
+}
+
+/* What comes from a place of a lamp with a surface; pdf_w: its density. */
+static bool see_surface(const LampLook *l, uint32_t emitter, Vec3 place, const FlatRay *bent, float *pdf_w,
+                        Lanes *arrives)
 {
     const World *world = l->path->tracer->world;
     Path look = l->look;
     Event event;
     Lanes radiance;
-    if (!follow_to_surface(&look, emitter, &event) ||
+    if (!follow_to_surface(&look, emitter, &event) || !has_met(l, emitter, &look.ray, &event.hit, place) ||
         !light_radiance_hit(world, &look.ray, &event.hit, look.wavelengths.nm, &radiance))
         return false;
     const LightRival from = {l->from->choices, l->from->place->position, l->from->normal, -1};
-    *pdf_w = straight_density(world, &from, &look.ray, &event.hit, bent);
-    if (l->at_beam) *pdf_w = *pdf_w > 0 ? 0 : beam_density(world, &from, &look.ray, &event.hit, bent);
-    *pdf_w *= l->often;
+    float straight = straight_density(world, &from, &look.ray, &event.hit, bent);
+    bool counts = ball_of(world, emitter) != RTC_NO_OBJECT || (straight > 0) != l->at_beam;
+    *pdf_w = counts ? l->often * density_of_both(world, &from, &look.ray, &event.hit, bent) : 0;
     uint32_t medium = nest_medium(&look.tracer->list);
     *arrives = lanes_mul(look.beta, path_basic_radiance(world, radiance, medium, look.wavelengths.nm));
     return *pdf_w > 0;
@@ -404,7 +436,7 @@ static bool look_by(LampLook *l, const LampWay *way, Vec3 place, LightSample *li
         return false;
     light->arrives = arrives;
     return light->delta ? see_point(l, light, place, &bent, arrives)
-                        : see_surface(l, light->emitter, &bent, &light->pdf_w, arrives);
+                        : see_surface(l, light->emitter, place, &bent, &light->pdf_w, arrives);
 }
 
 static bool find_straight(LampLook *l, const LightSample *light, LampWay *way)
@@ -501,12 +533,13 @@ static void look_at_beam(Path *path, const LookPlace *from, LightLooks *looks)
     Vec3 place;
     uint32_t digits = sampler_3d(&path->sampler, DIM_BEAMS + 3 * path->bounce, u);
     uint32_t emitter = beams_sample(world, position, path->ray.time, digits, u, &place, &area);
+    if (emitter == EMITTER_NONE) return;
     Vec3 to = vec3_sub(place, position);
     const double distance = vec3_length(to);
     const bool has_area = area > 0;
     Vec3f direction = vec3f_from(vec3_scale(to, 1 / distance));
     if (!slabs_are_on_way(&world->slabs, position, direction, distance) || !is_in_front(from->normal, direction) ||
-        (light_shines_at(world, emitter, path->ray.time, place, position) &&
+        (ball_of(world, emitter) == RTC_NO_OBJECT && light_shines_at(world, emitter, path->ray.time, place, position) &&
          light_choice(world, from->choices, emitter, position, from->normal) > 0)) /* it is chosen straight */
         return;
     *light = (LightSample){.direction = direction,

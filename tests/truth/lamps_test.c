@@ -105,6 +105,43 @@ static void under_water(void **state)
                  4, 0.002);
 }
 
+/* Balls of one power, of which some lamps are points: through water aslant light comes from another part of them than is seen straight,
+ * and looks go to their surface, however small they are and however far from the origin. */
+static void balls_as_points(void **state)
+{
+    (void)state;
+    static const struct {
+        double radius, away;
+    } cases[] = {{1, 0}, {.1, 0}, {.03, 0}, {.1, 3000}};
+    static const char *const places[] = {"0", "3000"};
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        char text[2][2000], what[80];
+        const char *x = places[cases[i].away > 0];
+        for (int ball = 0; ball < 2; ball++) {
+            char lamp[200];
+            if (ball)
+                snprintf(lamp, sizeof lamp, "shape = sphere  radius = %.17g  radiance = %.17g", cases[i].radius,
+                         20e6 / TRUTH_PI / pow(cases[i].radius, 2));
+            else
+                snprintf(lamp, sizeof lamp, "shape = point  intensity = 20");
+            snprintf(text[ball], sizeof text[ball],
+                     "meniscus 1.0 unit mm medium water { ior = 1.33 }\n"
+                     "group { ground { surface = surface { albedo = .8 } }\n"
+                     "camera { from = <60, 3, 4.5>  to = <60, 0, 0>  fov = .01deg }\n"
+                     "light { from = <0, 60, 0>  %s }\n"
+                     "box { from = <-900, -1, -900>  to = <900, 30, 900>  interior = water }\n"
+                     "translate(<%s, 0, 0>) }\n",
+                     lamp, x);
+        }
+        snprintf(what, sizeof what, "a ball of %g mm in water, %s mm from the origin, as a point", cases[i].radius, x);
+        RenderSettings looking = truth_small(4096);
+        looking.caustics = CAUSTICS_OFF;
+        looking.bounces = 2;
+        truth_alike(what, truth_measure_as(text[0], NULL, &looking), truth_measure_as(text[1], NULL, &looking), 4,
+                    0.0002);
+    }
+}
+
 /* ---- against chance ---- */
 
 /* Beams in water that scatters, and in such that varies as well, which the camera's line crosses: looked for where they go, and found by
@@ -269,8 +306,8 @@ static void as_by_chance(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(points),         cmocka_unit_test(beams),        cmocka_unit_test(under_water),
-        cmocka_unit_test(beams_in_water), cmocka_unit_test(as_by_chance),
+        cmocka_unit_test(points),          cmocka_unit_test(beams),          cmocka_unit_test(under_water),
+        cmocka_unit_test(balls_as_points), cmocka_unit_test(beams_in_water), cmocka_unit_test(as_by_chance),
     };
     return cmocka_run_group_tests_name("lamps", tests, NULL, NULL);
 }
