@@ -411,13 +411,14 @@ static Status check_fold(SweepMaker *maker, const Station *a, const Station *b, 
     Vec3 step = vec3_sub(station_point(b, p), station_point(a, p)), chord = vec3_sub(b->at, a->at);
     if (vec3_dot(step, chord) > 0) return STATUS_OK;
     maker->folds = true;
-    double bend = fmax(vec3_length(a->bend), vec3_length(b->bend)), reach = a->scale * hypot(p.x, p.y);
-    if (bend > 0)
+    double reach = a->scale * hypot(p.x, p.y), left = vec3_dot(step, chord) / vec3_dot(chord, chord);
+    if (vec3_length(a->bend) > 0 ||
+        vec3_length(b->bend) > 0) /* what is left of a step so far within is 1 - reach / radius */
         return fail(
             error, STATUS_SCENE,
             "the sweep folds over itself near <%.6g, %.6g, %.6g>, behind point %zu of the path: the path bends with a "
             "radius of %.3g there, and the outline reaches %.3g from it",
-            a->at.x, a->at.y, a->at.z, a->source, 1 / bend, reach);
+            a->at.x, a->at.y, a->at.z, a->source, reach / (1 - left), reach);
     return fail(error, STATUS_SCENE,
                 "the sweep folds over itself near <%.6g, %.6g, %.6g>, behind point %zu of the path: the outline, which "
                 "reaches %.3g from it, is too wide for this corner",

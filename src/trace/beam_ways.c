@@ -52,7 +52,7 @@ static uint32_t follow(Path *path, const double place[2], Part *parts)
         SlabFace face;
         Vec3 from = path->ray.origin;
         path_next_event(path, &event);
-        if (event.kind == EVENT_LOST) break;
+        if (event.kind == EVENT_LOST || event.kind == EVENT_GIVE_UP) break;
         double t = event.kind == EVENT_ESCAPE ? far_away(world, from) : event.hit.t;
         if (behind) parts[n++] = (Part){steps, from, ray_point(&path->ray, t), {place[0], place[1]}};
         if (event.kind == EVENT_OPAQUE) {
@@ -86,18 +86,20 @@ static bool leave_lamp(Path *path, uint32_t emitter, double at[2])
     sampler_2d(&path->sampler, sampler_dimension(0, DIM_SCATTER), v);
     path->ray.time = world->moves ? (double)sampler_1d(&path->sampler, DIM_TIME) : 0;
     Vec3 place = light_even_place(world, emitter, path->ray.time, u, &area);
-    Vec3f x, y, axis = vec3f_from(vec3_normalize(affine_vector(&light->to_world, vec3(0, 1, 0))));
-    sampling_basis(axis, &x, &y);
+    const Vec3 axis = vec3_rounded(vec3_normalize(affine_vector(&light->to_world, vec3(0, 1, 0))));
+    Vec3f x, y;
+    sampling_basis(vec3f_from(axis), &x, &y);
     float p, q, stretch = (float)sqrt(1 - light->cos_none * light->cos_none);
     sampling_disc(v[0], v[1], &p, &q);
-    Vec3f direction = vec3f_along(vec3f_along(axis, stretch * p, x), stretch * q, y);
+    Vec3f direction = vec3f_along(vec3f_along(vec3f_from(axis), stretch * p, x), stretch * q, y);
     const double time = path->ray.time;
     across(vec3_sub(place, light->to_world.t), affine_vector(&light->to_world, vec3(1, 0, 0)),
            affine_vector(&light->to_world, vec3(0, 0, 1)), at);
-    ray_begin(&path->ray, vec3_along(place, 1e-4 * sqrt(area), vec3_from_f(axis)), vec3f_normalize(direction));
+    Vec3 in_front = vec3_rounded(vec3_along(place, 1e-4 * sqrt(area), axis));
+    ray_begin(&path->ray, in_front, vec3f_normalize(direction));
     path->ray.time = time;
-    return compiled_interior(world->compiled, vec3f_from(path->ray.origin), time, &tracer->shadow_hits, &tracer->list,
-                             NULL) == STATUS_OK;
+    return compiled_interior(world->compiled, vec3f_from(in_front), time, &tracer->shadow_hits, &tracer->list, NULL) ==
+           STATUS_OK;
 }
 
 /* How far beside the way the parts are at one of its ends, and, *along, how far they reach there. */
