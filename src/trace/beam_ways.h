@@ -29,9 +29,9 @@ typedef struct BeamWay {
     Vec3f side[2];    /* and across it */
     double length;    /* > 0 */
     double radius[2]; /* > 0, at its beginning and its end */
-    /* From which places of a flat lamp light comes to a place of the way: those up to so far, at its beginning and its end, from one that
-     * depends on how the place lies across the way, place_mean + slope * (across - across_mean). 0: from anywhere on the lamp. Of lamps, along their x and z
-     * axes, in world units. */
+    /* From which places of a flat lamp light comes to a place of the way: those up to so far, at its beginning and its end, from one
+     * that depends on how the place lies across the way, place_mean + slope * (across - across_mean). 0: from anywhere on the lamp.
+     * Places of lamps are told along their x and z axes, in world units. */
     double reach[2], place_mean[2], across_mean[2], slope[2][2];
 } BeamWay;
 

@@ -34,35 +34,44 @@ static bool comes_to_slab(const World *world, const SceneLight *light)
 Status beams_find(World *world, Error *error)
 {
     const EmitterSet *set = &world->emitters;
-    world->n_beams = 0;
+    world->n_beams = world->n_balls = 0;
     if (!world->slabs.n_boxes || !set->n) return STATUS_OK;
-    world->beams = malloc(set->n * sizeof *world->beams);
+    world->beams = malloc(2 * set->n * sizeof *world->beams);
     if (!world->beams) return fail_memory(error, set->n * sizeof *world->beams, "lights");
+    world->balls = world->beams + set->n;
     for (uint32_t i = 0; i < set->n; i++) {
         if (set->emitters[i].kind != EMITTER_LIGHT) continue;
         const SceneLight *light = &world->scene->lights[set->emitters[i].of];
-        bool turned = light->kind == LIGHT_POINT || light->kind == LIGHT_SPHERE || light_is_focused(light);
-        if (turned && comes_to_slab(world, light)) world->beams[world->n_beams++] = i;
+        if (light->kind == LIGHT_SPHERE)
+            world->balls[world->n_balls++] = i;
+        else if ((light->kind == LIGHT_POINT || light_is_focused(light)) && comes_to_slab(world, light))
+            world->beams[world->n_beams++] = i;
     }
     return STATUS_OK;
 }
 
-bool beams_have(const World *world, uint32_t emitter)
+/* Whether one is among n that are in order. */
+static bool is_among(const uint32_t *emitters, uint32_t n, uint32_t emitter)
 {
-    uint32_t low = 0, high = world->n_beams; /* they are in order */
+    uint32_t low = 0, high = n;
     while (low < high) {
         uint32_t middle = low + (high - low) / 2;
-        if (world->beams[middle] < emitter)
+        if (emitters[middle] < emitter)
             low = middle + 1;
         else
             high = middle;
     }
-    return low < world->n_beams && world->beams[low] == emitter;
+    return low < n && emitters[low] == emitter;
+}
+
+bool beams_have(const World *world, uint32_t emitter)
+{
+    return is_among(world->beams, world->n_beams, emitter) || is_among(world->balls, world->n_balls, emitter);
 }
 
 /* ---- balls ---- */
 
-/* How often a ball is looked at that was chosen. */
+/* How often one is looked at, where there are some. */
 #define AT_BALLS 0.25
 /* The sine of how far light is turned at most that comes to a ball by faces, where looks are to find it; and what they find besides of
  * what is seen straight, at its rim. */
@@ -112,7 +121,7 @@ static Vec3 zone_sample(const Zone *zone, const float u[2])
 static double zone_density(const Zone *zone, Vec3 place)
 {
     double cosine = vec3_dot(vec3_sub(place, zone->centre), zone->towards) / zone->radius;
-    return cosine <= zone->begin && cosine >= zone->begin - (TURNED + RIM) ? AT_BALLS / zone_area(zone) : 0;
+    return cosine <= zone->begin && cosine >= zone->begin - (TURNED + RIM) ? 1 / zone_area(zone) : 0;
 }
 
 /* ---- one of all ---- */
@@ -147,41 +156,53 @@ static double density_along(const BeamWay *way, Vec3 from, const Affine *to_worl
     return x * x + z * z <= reach * reach ? 1 / (MEN_PI * reach * reach) : 0;
 }
 
+/* A place of one of the beams, by a number in [0, 1). */
+static uint32_t sample_beam(const World *world, Vec3 from, double time, double choice, const float u[2], Vec3 *place,
+                            double *area)
+{
+    uint32_t n_ways = ways_that_hold(world, from);
+    double along = n_ways ? ALONG_WAYS : 0;
+    if (choice >= along) {
+        uint32_t emitter = world->beams[(uint32_t)((choice - along) / (1 - along) * world->n_beams)];
+        *place = light_even_place(world, emitter, time, u, area);
+        return emitter;
+    }
+    const BeamWay *way = way_that_holds(world, from, (uint32_t)(choice / along * n_ways));
+    *place = light_even_place(world, way->emitter, time, u, area);
+    double middle[2], reach = beam_way_source(way, from, middle);
+    if (!(*area > 0) || !(reach > 0)) return way->emitter;
+    const Affine *to_world = &world->scene->lights[world->emitters.emitters[way->emitter].of].to_world;
+    float x, z;
+    sampling_disc(u[0], u[1], &x, &z);
+    *place = affine_point(to_world, vec3(middle[0] + reach * (double)x, 0, middle[1] + reach * (double)z));
+    return way->emitter;
+}
+
 uint32_t beams_sample(const World *world, Vec3 from, double time, uint32_t digits, const float u[2], Vec3 *place,
                       double *area)
 {
-    double choice = (double)digits * 0x1p-32;
-    uint32_t n_ways = ways_that_hold(world, from);
-    double along = n_ways ? ALONG_WAYS : 0;
-    if (choice < along) {
-        const BeamWay *way = way_that_holds(world, from, (uint32_t)(choice / along * n_ways));
-        *place = light_even_place(world, way->emitter, time, u, area);
-        double middle[2], reach = beam_way_source(way, from, middle);
-        if (!(*area > 0) || !(reach > 0)) return way->emitter;
-        const Affine *to_world = &world->scene->lights[world->emitters.emitters[way->emitter].of].to_world;
-        float x, z;
-        sampling_disc(u[0], u[1], &x, &z);
-        *place = affine_point(to_world, vec3(middle[0] + reach * (double)x, 0, middle[1] + reach * (double)z));
-        return way->emitter;
-    }
-    choice = (choice - along) / (1 - along) * world->n_beams;
-    uint32_t number = (uint32_t)choice, emitter = world->beams[number];
-    if (is_ball(world, emitter)) {
-        if (choice - number >= AT_BALLS) return EMITTER_NONE;
+    double choice = (double)digits * 0x1p-32, at_balls = world->n_balls ? AT_BALLS : 0;
+    if (choice < at_balls) {
+        uint32_t emitter = world->balls[(uint32_t)(choice / at_balls * world->n_balls)];
         Zone zone = zone_of(world, from, time, emitter);
         *area = zone_area(&zone);
         *place = zone_sample(&zone, u);
         return emitter;
     }
-    *place = light_even_place(world, emitter, time, u, area);
-    return emitter;
+    if (!world->n_beams) return EMITTER_NONE;
+    return sample_beam(world, from, time, (choice - at_balls) / (1 - at_balls), u, place, area);
 }
 
 double beams_density(const World *world, Vec3 from, uint32_t emitter, Vec3 place, double time)
 {
     const float any[2] = {0.5f, 0.5f};
     const Affine *to_world = &world->scene->lights[world->emitters.emitters[emitter].of].to_world;
+    const double at_balls = world->n_balls ? AT_BALLS : 0;
     double area, sum = 0;
+    if (is_ball(world, emitter)) {
+        Zone zone = zone_of(world, from, time, emitter);
+        return at_balls * zone_density(&zone, place) / world->n_balls;
+    }
     light_even_place(world, emitter, time, any, &area);
     uint32_t n_ways = ways_that_hold(world, from);
     for (uint32_t i = 0; i < world->n_beam_ways && n_ways; i++) {
@@ -189,10 +210,6 @@ double beams_density(const World *world, Vec3 from, uint32_t emitter, Vec3 place
         if (way->emitter == emitter && beam_way_holds(way, from))
             sum += density_along(way, from, to_world, place, area) / n_ways;
     }
-    double along = n_ways ? ALONG_WAYS : 0, there = 1 / (area > 0 ? area : 1);
-    if (is_ball(world, emitter)) {
-        Zone zone = zone_of(world, from, time, emitter);
-        there = zone_density(&zone, place);
-    }
-    return along * sum + (1 - along) * there / world->n_beams;
+    double along = n_ways ? ALONG_WAYS : 0, even = 1 / ((area > 0 ? area : 1) * world->n_beams);
+    return (1 - at_balls) * (along * sum + (1 - along) * even);
 }

@@ -2,23 +2,24 @@
  *
  * Outside of a spot's cone there is nothing to be chosen of it, nor below the horizon of a surface. But through a pane that is
  * tilted, or into still water, light comes to such places; a point is never found by chance, and what is flat and shines into a
- * narrow cone hardly ever. Of a ball another part is seen by a bent way than straight: a crescent of it, some hundredths of all, is
- * found by chance alone, which of a small one is some bright dots. Looks through flat faces (slab_lamp.h) try one of these, too, and count where no straight look would
- * have chosen the place that they find.
+ * narrow cone hardly ever. Of a ball another part is seen by a bent way than straight: a crescent, some hundredths of all, would be
+ * found by chance alone, and what is at its rim straight, and in its midst by the bent way, would count without limit. Looks through
+ * flat faces (slab_lamp.h) try one of these, too: of beams they count where no straight look would have chosen the place that they
+ * find, of balls everywhere, weighed against straight ones.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_BEAMS_H
 #define MEN_BEAMS_H
 
 #include "trace/light.h"
 
-/* Sets world->beams: lamps without size, those that are flat and shine into a cone, which may come straight to a slab, and balls. World's
- * lights and slabs are to be known. STATUS_NOMEM. */
+/* Sets world->beams, lamps without size and those that are flat and shine into a cone, which may come straight to a slab, and
+ * world->balls. World's lights and slabs are to be known. STATUS_NOMEM. */
 ATTR_NODISCARD Status beams_find(World *world, Error *error);
 /* Whether an emitter is one of these. */
 bool beams_have(const World *world, uint32_t emitter);
-/* One of them, of which there are some, or EMITTER_NONE: none this time; and a place on it, to be looked at from a place; its area, and 0 of what has no size. Where the
- * place is within the way of a narrow beam (beam_ways.h), that one mostly, and where its light comes from. digits: 32 of a number
- * in [0, 1), u: in [0, 1). */
+/* One of them, of which there are some, or EMITTER_NONE: none this time; and a place on it, to be looked at from a place; *area: all
+ * that such places are chosen from, and 0 of what has no size. Where the place is within the way of a narrow beam (beam_ways.h), that
+ * one mostly, and where its light comes from. digits: 32 of a number in [0, 1), u: in [0, 1). */
 uint32_t beams_sample(const World *world, Vec3 from, double time, uint32_t digits, const float u[2], Vec3 *place,
                       double *area);
 /* The density of that per area of the lamp, the choice included; of what has no size, of the choice alone. */

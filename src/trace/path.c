@@ -117,8 +117,9 @@ static bool survives(Path *path)
     return true;
 }
 
-/* What an event is at: an object, or those of its parts that have one surface; what scatters in front of all objects is one more, and what does behind boundaries alone
- * more than that, by its medium: wax in a clear oil is seen apart from the oil, though the glass around both is met first. */
+/* What an event is at: an object, or those of its parts that have one surface; what scatters in front of all objects is one more,
+ * and what does behind boundaries alone more than that, by its medium: wax in a clear oil is seen apart from the oil, though the glass
+ * around both is met first. */
 static uint32_t scattered_by(const World *world, uint32_t medium, bool first)
 {
     return world->scene->n_objects + (first ? 0 : 1 + medium);

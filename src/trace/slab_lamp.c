@@ -565,5 +565,6 @@ static void look_at_beam(Path *path, const LookPlace *from, LightLooks *looks)
 void slab_look_at_lamp(Path *path, const LookPlace *from, LightLooks *looks)
 {
     look_straight(path, from, looks);
-    if (UNLIKELY(path->tracer->world->n_beams) && from->choices->near > 0) look_at_beam(path, from, looks);
+    if (UNLIKELY(path->tracer->world->n_beams + path->tracer->world->n_balls) && from->choices->near > 0)
+        look_at_beam(path, from, looks);
 }

@@ -76,8 +76,9 @@ typedef struct World {
     uint32_t n_portal_maps;
     WorldMedia media;
     Beacons beacons;
-    Slabs slabs;               /* where light from infinity is looked for */
-    uint32_t *beams, n_beams;  /* emitters, see beams.h */
+    Slabs slabs;              /* where light from infinity is looked for */
+    uint32_t *beams, n_beams; /* emitters, see beams.h; behind them in the same array */
+    uint32_t *balls, n_balls;
     struct BeamWay *beam_ways; /* where the narrow ones of these go, see beam_ways.h */
     uint32_t n_beam_ways;
     Balances *balances;          /* of surfaces; grows while rendering, by itself in order */
