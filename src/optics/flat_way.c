@@ -84,12 +84,23 @@ static double miss_of(const FlatFace *faces, uint32_t n, Vec3 from, Vec3 to, Vec
     return vec3_dot(left, ray->direction) >= 0 ? vec3_length(*miss) : HUGE_VAL;
 }
 
+/* Where a point seems to be by the faces that mirror. */
+static Vec3 mirrored_image(const FlatFace *faces, uint32_t n, Vec3 point)
+{
+    for (uint32_t i = n; i-- > 0;) {
+        if (!faces[i].mirrored) continue;
+        double above = vec3_dot(point, faces[i].normal) - faces[i].offset;
+        point = vec3_along(point, -2 * above, faces[i].normal);
+    }
+    return point;
+}
+
 /* A start: straight ahead, or where that is reflected totally, steeper towards the first face. By how much it misses. */
 static double first_guess(const FlatFace *faces, uint32_t n, Vec3 from, Vec3 to, Vec3 *direction, FlatRay *ray,
                           Vec3 *miss)
 {
     enum { TRIES = 8 };
-    const Vec3 straight = vec3_normalize(vec3_sub(to, from));
+    const Vec3 straight = vec3_normalize(vec3_sub(mirrored_image(faces, n, to), from));
     Vec3 steep = n ? faces[0].normal : straight;
     if (vec3_dot(steep, straight) < 0) steep = vec3_scale(steep, -1);
     *direction = straight;

@@ -4,14 +4,18 @@
 
 #include <stdlib.h>
 
+#include "optics/fresnel.h"
 #include "optics/sampling.h"
 #include "trace/airlight.h"
 #include "trace/slab_look.h"
 
 /* Lamps whose cones are wider, as the cosine of half of that, light so much that flights find it. */
 #define NARROW 0.966
-/* Rays of each lamp, events of each, and straight parts of its way. */
-enum { RAYS = 32, MOST_EVENTS = 64, MOST_PARTS = 16 };
+/* Of its light, less is not followed. */
+#define FAINT 0.01f
+/* Rays of each lamp; each is followed through all faces, and again and again, mirrored at the first of them, or the next, ...; events of
+ * each, and straight parts and routes of all. */
+enum { RAYS = 32, MIRRORED_AT_MOST = 4, MOST_EVENTS = 64, MOST_PARTS = 1024, MOST_ROUTES = 48 };
 /* The rays' random numbers: no pixel of a picture has this coordinate. */
 enum { RAY_PIXEL = 0x6265616d };
 /* As how much wider a beam is taken than those rays are. */
@@ -30,7 +34,14 @@ typedef struct Part {
     double place[2];
 } Part;
 
-/* Where a ray goes that does not end. */
+/* All of a lamp's. */
+typedef struct Parts {
+    Part items[MOST_PARTS];
+    BeamRoute routes[MOST_ROUTES];
+    uint32_t n, n_routes;
+} Parts;
+
+/* How far a ray is followed that does not end: beams get wider, and one piece of a way is to tell of all of it. */
 static double far_away(const World *world, Vec3 from)
 {
     double far = 0;
@@ -38,33 +49,72 @@ static double far_away(const World *world, Vec3 from)
         Box3 box = world->slabs.boxes[i];
         far = fmax(far, vec3_length(vec3_sub(box.max, box.min)) + vec3_length(vec3_sub(box.max, from)));
     }
-    return 10 * far;
+    return far;
 }
 
-/* The parts behind the first face; returns how many. place: where the ray left the lamp. */
-static uint32_t follow(Path *path, const double place[2], Part *parts)
+static bool knows_route(const Parts *parts, uint64_t steps)
+{
+    for (uint32_t i = 0; i < parts->n_routes; i++)
+        if (parts->routes[i].steps == steps) return true;
+    return false;
+}
+
+/* False: there is no room. */
+static bool add_part(Parts *parts, const BeamRoute *route, const Part *part)
+{
+    if (parts->n == MOST_PARTS) return false;
+    if (!knows_route(parts, route->steps)) {
+        if (parts->n_routes == MOST_ROUTES) return false;
+        parts->routes[parts->n_routes++] = *route;
+    }
+    parts->items[parts->n++] = *part;
+    return true;
+}
+
+/* A face that the path is at becomes the next one of the route. */
+static void add_face(BeamRoute *route, const Event *event, const SlabFace *face, bool mirrored)
+{
+    Vec3 normal = vec3_normalize(vec3_from_f(face->place.geometric));
+    route->faces[route->n++] = (BeamFace){.normal = normal,
+                                          .offset = vec3_dot(normal, face->place.position),
+                                          .number = face->number,
+                                          .medium_before = event->crossing.medium_from,
+                                          .medium_behind = event->crossing.medium_to,
+                                          .mirrored = mirrored};
+    route->mirrored |= mirrored;
+    route->steps = slab_step(route->steps, face->number, mirrored);
+}
+
+/* The parts behind the first face, or the one, number mirrored_at from 1 on, that mirrors; 0: none does. place: where the ray left the
+ * lamp. */
+static void follow(Path *path, const double place[2], uint32_t mirrored_at, Parts *parts)
 {
     const World *world = path->tracer->world;
-    uint64_t steps = 0;
-    uint32_t n = 0;
-    for (bool behind = false; path->bounce < MOST_EVENTS && n < MOST_PARTS; path->bounce++) {
+    BeamRoute route = {.n = 0};
+    float left = 1;
+    for (; path->bounce < MOST_EVENTS; path->bounce++) {
         Event event;
         SlabFace face;
         Vec3 from = path->ray.origin;
         path_next_event(path, &event);
-        if (event.kind == EVENT_LOST || event.kind == EVENT_GIVE_UP) break;
+        if (event.kind == EVENT_LOST || event.kind == EVENT_GIVE_UP) return;
         double t = event.kind == EVENT_ESCAPE ? far_away(world, from) : event.hit.t;
-        if (behind) parts[n++] = (Part){steps, from, ray_point(&path->ray, t), {place[0], place[1]}};
+        const Part part = {route.steps, from, ray_point(&path->ray, t), {place[0], place[1]}};
+        if (route.n > 0 && route.mirrored == (mirrored_at > 0) && !add_part(parts, &route, &part)) return;
         if (event.kind == EVENT_OPAQUE) {
-            if (!slab_cross_pane(path, &event)) break;
+            if (!slab_cross_pane(path, &event)) return;
             continue;
         }
-        if (event.kind != EVENT_BOUNDARY || !slab_look_at_face(path, &event, &face) || !face.passes) break;
-        steps = slab_step(steps, face.number, false);
-        behind = true;
-        path_leave(path, &event, &face.place, true, face.refracted);
+        if (event.kind != EVENT_BOUNDARY || route.n == BEAM_FACES || !slab_look_at_face(path, &event, &face)) return;
+        const bool mirrored = route.n + 1 == mirrored_at;
+        if (!mirrored && !face.passes) return;
+        float reflected = lanes_get(face.reflectance, 0);
+        left *= mirrored ? reflected : 1 - reflected;
+        if (left < FAINT) return;
+        add_face(&route, &event, &face, mirrored);
+        path_leave(path, &event, &face.place, !mirrored,
+                   mirrored ? reflect_direction(path->ray.direction, face.place.normal) : face.refracted);
     }
-    return n;
 }
 
 /* Across a direction, or on a lamp. */
@@ -103,12 +153,13 @@ static bool leave_lamp(Path *path, uint32_t emitter, double at[2])
 }
 
 /* How far beside the way the parts are at one of its ends, and, *along, how far they reach there. */
-static double radius_at(const BeamWay *way, const Part *parts, uint32_t n, uint64_t steps, bool end, double *along)
+static double radius_at(const BeamWay *way, const Parts *parts, bool end, double *along)
 {
     double radius = 0;
-    for (uint32_t i = 0; i < n; i++) {
-        if (parts[i].steps != steps) continue;
-        Vec3 off = vec3_sub(end ? parts[i].to : parts[i].from, way->from);
+    for (uint32_t i = 0; i < parts->n; i++) {
+        const Part *part = &parts->items[i];
+        if (part->steps != way->route.steps) continue;
+        Vec3 off = vec3_sub(end ? part->to : part->from, way->from);
         double at = vec3_dot(off, way->along);
         radius = fmax(radius, vec3_length(vec3_along(off, -at, way->along)));
         *along = end ? fmax(*along, at) : fmin(*along, at);
@@ -143,11 +194,11 @@ static void add_up(const BeamWay *way, const Part *part, Sums *sums)
 }
 
 /* By least squares over the rays. */
-static void fit_source(const Part *parts, uint32_t n, uint64_t steps, BeamWay *way)
+static void fit_source(const Parts *parts, BeamWay *way)
 {
     Sums sums = {0};
-    for (uint32_t i = 0; i < n; i++)
-        if (parts[i].steps == steps) add_up(way, &parts[i], &sums);
+    for (uint32_t i = 0; i < parts->n; i++)
+        if (parts->items[i].steps == way->route.steps) add_up(way, &parts->items[i], &sums);
     const double more = 1 / sums.n;
     for (int i = 0; i < 2; i++) way->across_mean[i] = sums.p[i] * more, way->place_mean[i] = sums.c[i] * more;
     const double *p = way->across_mean, *c = way->place_mean;
@@ -160,26 +211,28 @@ static void fit_source(const Part *parts, uint32_t n, uint64_t steps, BeamWay *w
         way->slope[i][0] = (x * (yy + ridge) - y * xy) / determinant;
         way->slope[i][1] = (y * (xx + ridge) - x * xy) / determinant;
     }
-    for (uint32_t i = 0; i < n; i++) {
-        if (parts[i].steps != steps) continue;
+    for (uint32_t i = 0; i < parts->n; i++) {
+        const Part *part = &parts->items[i];
+        if (part->steps != way->route.steps) continue;
         for (int end = 0; end < 2; end++) {
             double middle[2];
-            beam_way_source(way, end ? parts[i].to : parts[i].from, middle);
-            double off = hypot(parts[i].place[0] - middle[0], parts[i].place[1] - middle[1]);
+            beam_way_source(way, end ? part->to : part->from, middle);
+            double off = hypot(part->place[0] - middle[0], part->place[1] - middle[1]);
             way->reach[end] = fmax(way->reach[end], WIDER * off);
         }
     }
 }
 
-/* What the parts make that have come by those faces; false: nothing that has a length. fits: lamps do not move. */
-static bool way_of(const Part *parts, uint32_t n, uint64_t steps, bool fits, BeamWay *way)
+/* What the parts make that have come by the way's route; false: nothing that has a length. fits: lamps do not move. */
+static bool way_of(const Parts *parts, bool fits, BeamWay *way)
 {
     Vec3 from = vec3(0, 0, 0), to = vec3(0, 0, 0);
     double n_of_way = 0, begin = 0, end = 0;
-    for (uint32_t i = 0; i < n; i++) {
-        if (parts[i].steps != steps) continue;
-        from = vec3_add(from, parts[i].from);
-        to = vec3_add(to, parts[i].to);
+    for (uint32_t i = 0; i < parts->n; i++) {
+        const Part *part = &parts->items[i];
+        if (part->steps != way->route.steps) continue;
+        from = vec3_add(from, part->from);
+        to = vec3_add(to, part->to);
         n_of_way++;
     }
     way->from = vec3_scale(from, 1 / n_of_way);
@@ -187,12 +240,12 @@ static bool way_of(const Part *parts, uint32_t n, uint64_t steps, bool fits, Bea
     if (!(vec3_length(along) > 0)) return false;
     way->along = vec3_normalize(along);
     sampling_basis(vec3f_from(way->along), &way->side[0], &way->side[1]);
-    for (int i = 0; i < 2; i++) way->radius[i] = radius_at(way, parts, n, steps, i == 1, i == 1 ? &end : &begin);
+    for (int i = 0; i < 2; i++) way->radius[i] = radius_at(way, parts, i == 1, i == 1 ? &end : &begin);
     way->from = vec3_along(way->from, begin, way->along);
     way->length = end - begin;
     double least = 1e-6 * way->length;
     for (int i = 0; i < 2; i++) way->radius[i] = fmax(way->radius[i], least);
-    if (fits) fit_source(parts, n, steps, way);
+    if (fits) fit_source(parts, way);
     return way->length > 0;
 }
 
@@ -208,26 +261,28 @@ static float wavelength_below(const SceneLight *light, float part)
     return (float)(FROM + at);
 }
 
-/* Adds the ways of a lamp. */
-static void add_ways(World *world, Tracer *tracer, uint32_t emitter)
+/* Ray number i of a lamp, followed as follow() says. */
+static void follow_ray(Tracer *tracer, uint32_t emitter, uint32_t i, uint32_t mirrored_at, Parts *parts)
 {
-    Part parts[RAYS * MOST_PARTS];
+    const World *world = tracer->world;
     const SceneLight *light = &world->scene->lights[world->emitters.emitters[emitter].of];
-    uint32_t n = 0;
-    for (uint32_t i = 0; i < RAYS && !tracer->out_of_memory; i++) {
-        Path path;
-        path_init(&path, tracer, sampler_make(0, RAY_PIXEL, emitter, i));
-        path.wavelengths = (WavelengthSample){.nm = lanes_all(wavelength_below(light, ((float)i + 0.5f) / RAYS))};
-        path.straight = path.for_light = true;
-        double place[2];
-        if (leave_lamp(&path, emitter, place)) n += follow(&path, place, parts + n);
-    }
-    for (uint32_t i = 0; i < n && world->n_beam_ways < BEAM_WAYS_MOST; i++) {
-        bool known = false;
-        for (uint32_t k = 0; k < i; k++) known |= parts[k].steps == parts[i].steps;
-        if (known) continue;
-        BeamWay way = {.emitter = emitter};
-        if (way_of(parts, n, parts[i].steps, !world->moves, &way)) world->beam_ways[world->n_beam_ways++] = way;
+    Path path;
+    double place[2];
+    path_init(&path, tracer, sampler_make(0, RAY_PIXEL, emitter, i));
+    path.wavelengths = (WavelengthSample){.nm = lanes_all(wavelength_below(light, ((float)i + 0.5f) / RAYS))};
+    path.straight = path.for_light = true;
+    if (leave_lamp(&path, emitter, place)) follow(&path, place, mirrored_at, parts);
+}
+
+/* Adds the ways of a lamp. */
+static void add_ways(World *world, Tracer *tracer, uint32_t emitter, Parts *parts)
+{
+    parts->n = parts->n_routes = 0;
+    for (uint32_t at = 0; at <= MIRRORED_AT_MOST; at++)
+        for (uint32_t i = 0; i < RAYS && !tracer->out_of_memory; i++) follow_ray(tracer, emitter, i, at, parts);
+    for (uint32_t i = 0; i < parts->n_routes && world->n_beam_ways < BEAM_WAYS_MOST; i++) {
+        BeamWay way = {.emitter = emitter, .route = parts->routes[i]};
+        if (way_of(parts, !world->moves, &way)) world->beam_ways[world->n_beam_ways++] = way;
     }
 }
 
@@ -235,15 +290,20 @@ Status beam_ways_find(World *world, Error *error)
 {
     if (!world->n_beams) return STATUS_OK;
     world->beam_ways = calloc(BEAM_WAYS_MOST, sizeof *world->beam_ways);
-    if (!world->beam_ways) return fail_memory(error, BEAM_WAYS_MOST * sizeof *world->beam_ways, "beams of light");
+    Parts *parts = malloc(sizeof *parts);
+    if (!world->beam_ways || !parts) {
+        free(parts);
+        return fail_memory(error, BEAM_WAYS_MOST * sizeof *world->beam_ways, "beams of light");
+    }
     Tracer tracer;
     tracer_init(&tracer, world);
     for (uint32_t i = 0; i < world->n_beams; i++) {
         const SceneLight *light = &world->scene->lights[world->emitters.emitters[world->beams[i]].of];
-        if (light->cos_none >= NARROW) add_ways(world, &tracer, world->beams[i]);
+        if (light->cos_none >= NARROW) add_ways(world, &tracer, world->beams[i], parts);
     }
     bool out_of_memory = tracer.out_of_memory;
     tracer_clear(&tracer);
+    free(parts);
     return out_of_memory ? fail(error, STATUS_NOMEM, "out of memory for beams of light") : STATUS_OK;
 }
 

@@ -11,7 +11,8 @@
  * either finds counts by its density over pf(t) + q b(t) ([Veach97] 9.2.2, the balance heuristic); so whatever the ways are, right or
  * not, the picture converges to the same.
  *
- * What is mirrored, or comes through what is curved, is left to photons (shaft.h), and lamps of wide cones to flights.
+ * What is mirrored once is a way, too, where that is not too faint. What comes through what is curved is left to photons (shaft.h),
+ * and lamps of wide cones to flights.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_BEAM_WAYS_H
 #define MEN_BEAM_WAYS_H
@@ -21,8 +22,29 @@
 /* Of more ways the first ones are kept; what others light is found by flights alone. */
 enum { BEAM_WAYS_MOST = 128 };
 
+/* A flat face that a beam has come to, and what it did there. */
+typedef struct BeamFace {
+    Vec3 normal; /* unit; its points p are those of normal . p = offset */
+    double offset;
+    uint64_t number;                       /* see slabs_face */
+    uint32_t medium_before, medium_behind; /* as the beam came */
+    bool mirrored;
+} BeamFace;
+
+/* Of more faces a beam is not followed. */
+enum { BEAM_FACES = 8 };
+
+/* By which faces a beam went, from the lamp on. */
+typedef struct BeamRoute {
+    BeamFace faces[BEAM_FACES];
+    uint32_t n;
+    bool mirrored;  /* at one of them */
+    uint64_t steps; /* a hash of them: see slab_step */
+} BeamRoute;
+
 /* A part of a beam, straight and round. */
 typedef struct BeamWay {
+    BeamRoute route;
     uint32_t emitter; /* whose it is */
     Vec3 from;        /* on its axis, where it begins */
     Vec3 along;       /* unit */

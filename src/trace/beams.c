@@ -157,9 +157,11 @@ static double density_along(const BeamWay *way, Vec3 from, const Affine *to_worl
 }
 
 /* A place of one of the beams, by a number in [0, 1). */
-static uint32_t sample_beam(const World *world, Vec3 from, double time, double choice, const float u[2], Vec3 *place,
-                            double *area)
+static uint32_t sample_beam(const World *world, Vec3 from, double time, double choice, const float u[2],
+                            BeamPlace *chosen)
 {
+    Vec3 *place = &chosen->place;
+    double *area = &chosen->area;
     uint32_t n_ways = ways_that_hold(world, from);
     double along = n_ways ? ALONG_WAYS : 0;
     if (choice >= along) {
@@ -168,6 +170,7 @@ static uint32_t sample_beam(const World *world, Vec3 from, double time, double c
         return emitter;
     }
     const BeamWay *way = way_that_holds(world, from, (uint32_t)(choice / along * n_ways));
+    if (way->route.mirrored) chosen->mirrored = way;
     *place = light_even_place(world, way->emitter, time, u, area);
     double middle[2], reach = beam_way_source(way, from, middle);
     if (!(*area > 0) || !(reach > 0)) return way->emitter;
@@ -178,38 +181,63 @@ static uint32_t sample_beam(const World *world, Vec3 from, double time, double c
     return way->emitter;
 }
 
-uint32_t beams_sample(const World *world, Vec3 from, double time, uint32_t digits, const float u[2], Vec3 *place,
-                      double *area)
+/* How often looks are at beams, and not at balls. */
+static double part_of_beams(const World *world)
 {
-    double choice = (double)digits * 0x1p-32, at_balls = world->n_balls ? AT_BALLS : 0;
+    return world->n_balls ? 1 - AT_BALLS : 1;
+}
+
+uint32_t beams_sample(const World *world, Vec3 from, double time, uint32_t digits, const float u[2], BeamPlace *chosen)
+{
+    chosen->mirrored = NULL;
+    double choice = (double)digits * 0x1p-32, at_balls = 1 - part_of_beams(world);
     if (choice < at_balls) {
         uint32_t emitter = world->balls[(uint32_t)(choice / at_balls * world->n_balls)];
         Zone zone = zone_of(world, from, time, emitter);
-        *area = zone_area(&zone);
-        *place = zone_sample(&zone, u);
+        chosen->area = zone_area(&zone);
+        chosen->place = zone_sample(&zone, u);
         return emitter;
     }
     if (!world->n_beams) return EMITTER_NONE;
-    return sample_beam(world, from, time, (choice - at_balls) / (1 - at_balls), u, place, area);
+    return sample_beam(world, from, time, (choice - at_balls) / (1 - at_balls), u, chosen);
 }
 
 double beams_density(const World *world, Vec3 from, uint32_t emitter, Vec3 place, double time)
 {
     const float any[2] = {0.5f, 0.5f};
     const Affine *to_world = &world->scene->lights[world->emitters.emitters[emitter].of].to_world;
-    const double at_balls = world->n_balls ? AT_BALLS : 0;
     double area, sum = 0;
     if (is_ball(world, emitter)) {
         Zone zone = zone_of(world, from, time, emitter);
-        return at_balls * zone_density(&zone, place) / world->n_balls;
+        return AT_BALLS * zone_density(&zone, place) / world->n_balls;
     }
     light_even_place(world, emitter, time, any, &area);
     uint32_t n_ways = ways_that_hold(world, from);
     for (uint32_t i = 0; i < world->n_beam_ways && n_ways; i++) {
         const BeamWay *way = &world->beam_ways[i];
-        if (way->emitter == emitter && beam_way_holds(way, from))
+        if (way->emitter == emitter && !way->route.mirrored && beam_way_holds(way, from))
             sum += density_along(way, from, to_world, place, area) / n_ways;
     }
     double along = n_ways ? ALONG_WAYS : 0, even = 1 / ((area > 0 ? area : 1) * world->n_beams);
-    return (1 - at_balls) * (along * sum + (1 - along) * even);
+    return part_of_beams(world) * (along * sum + (1 - along) * even);
+}
+
+double beams_density_mirrored(const World *world, Vec3 from, const BeamWay *way, Vec3 place, double time)
+{
+    const float any[2] = {0.5f, 0.5f};
+    const Affine *to_world = &world->scene->lights[world->emitters.emitters[way->emitter].of].to_world;
+    double area;
+    light_even_place(world, way->emitter, time, any, &area);
+    return part_of_beams(world) * ALONG_WAYS / ways_that_hold(world, from) *
+           density_along(way, from, to_world, place, area);
+}
+
+const BeamWay *beams_find_mirrored(const World *world, Vec3 from, uint32_t emitter, uint64_t steps)
+{
+    for (uint32_t i = 0; i < world->n_beam_ways; i++) {
+        const BeamWay *way = &world->beam_ways[i];
+        if (way->route.mirrored && way->emitter == emitter && way->route.steps == steps && beam_way_holds(way, from))
+            return way;
+    }
+    return NULL;
 }

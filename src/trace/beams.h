@@ -10,19 +10,31 @@
 #ifndef MEN_BEAMS_H
 #define MEN_BEAMS_H
 
-#include "trace/light.h"
+#include "trace/beam_ways.h"
 
 /* Sets world->beams, lamps without size and those that are flat and shine into a cone, which may come straight to a slab, and
  * world->balls. World's lights and slabs are to be known. STATUS_NOMEM. */
 ATTR_NODISCARD Status beams_find(World *world, Error *error);
 /* Whether an emitter is one of these. */
 bool beams_have(const World *world, uint32_t emitter);
-/* One of them, of which there are some, or EMITTER_NONE: none this time; and a place on it, to be looked at from a place; *area: all
- * that such places are chosen from, and 0 of what has no size. Where the place is within the way of a narrow beam (beam_ways.h), that
- * one mostly, and where its light comes from. digits: 32 of a number in [0, 1), u: in [0, 1). */
-uint32_t beams_sample(const World *world, Vec3 from, double time, uint32_t digits, const float u[2], Vec3 *place,
-                      double *area);
-/* The density of that per area of the lamp, the choice included; of what has no size, of the choice alone. */
+/* What a look is sent to. */
+typedef struct BeamPlace {
+    Vec3 place;
+    double area; /* all that such places are chosen from; 0 of what has no size */
+    /* NULL, or by which way light comes from there that is mirrored, as the look is to go */
+    const BeamWay *mirrored;
+} BeamPlace;
+
+/* One of them, of which there are some, or EMITTER_NONE: none this time; and a place on it, to be looked at from a place. Where that is
+ * within the way of a narrow beam (beam_ways.h), that one mostly, and where its light comes from. digits: 32 of a number in [0, 1),
+ * u: in [0, 1). */
+uint32_t beams_sample(const World *world, Vec3 from, double time, uint32_t digits, const float u[2], BeamPlace *chosen);
+/* The density of that per area of the lamp, the choice included; of what has no size, of the choice alone. Of ways that are not
+ * mirrored; */
 double beams_density(const World *world, Vec3 from, uint32_t emitter, Vec3 place, double time);
+/* and of one that is, and holds the place. */
+double beams_density_mirrored(const World *world, Vec3 from, const BeamWay *way, Vec3 place, double time);
+/* The way that is mirrored and holds a place, to which light of a lamp comes by these steps (see slab_step); NULL: there is none. */
+const BeamWay *beams_find_mirrored(const World *world, Vec3 from, uint32_t emitter, uint64_t steps);
 
 #endif

@@ -156,6 +156,22 @@ static bool parts_colors(const LampWay *way, Vec3 direction, const FlatRay *ray)
     return way->disperses && vec3_length(vec3_sub(ray->direction, direction)) > 1e-4;
 }
 
+/* The faces of a beam's way that is mirrored, from a place on it to the lamp, by the look's indices. */
+static void take_route(Path *look, const BeamRoute *route, LampWay *way)
+{
+    *way = (LampWay){.n = 0};
+    for (uint32_t i = route->n; i-- > 0;) {
+        const BeamFace *face = &route->faces[i];
+        Lanes in_front = path_ior(look, face->medium_behind), behind = path_ior(look, face->medium_before);
+        way->faces[way->n] = (FlatFace){.normal = face->normal,
+                                        .offset = face->offset,
+                                        .eta = (double)lanes_get(in_front, 0) / (double)lanes_get(behind, 0),
+                                        .mirrored = face->mirrored};
+        way->numbers[way->n++] = face->number;
+        way->disperses |= !lanes_uniform(in_front) || !lanes_uniform(behind);
+    }
+}
+
 /* ---- densities ---- */
 
 /* The object of a lamp that is a ball, which does not hide the places behind it from looks; RTC_NO_OBJECT: it is none. */
@@ -253,22 +269,47 @@ static Vec3 right_beside(Vec3 from, Vec3 towards)
     return vec3_along(from, part, vec3_sub(towards, from));
 }
 
-float slab_lamp_density(Path *path, const Hit *hit)
+/* Whether a way leads to a lamp's place in the direction that the path has gone. */
+static bool is_gone(const Path *path, const LampWay *way, Vec3 to, FlatRay *bent)
 {
     const double same = 1e-3;
+    Vec3 direction;
+    return flat_way_find(way->faces, way->n, path->scatter_point, to, &direction, bent) &&
+           vec3_length(vec3_sub(direction, vec3_from_f(path->slab_way.direction))) <= same &&
+           (path->index_lane >= 0 || !parts_colors(way, direction, bent));
+}
+
+/* As slab_lamp_density, of a path that was mirrored once. */
+static float density_mirrored(Path *path, uint32_t emitter, const Hit *hit)
+{
+    const World *world = path->tracer->world;
+    const Vec3 from = path->scatter_point, to = ray_point(&path->ray, hit->t);
+    const BeamWay *beam = beams_find_mirrored(world, from, emitter, path->slab_way.steps);
+    if (!beam || !(path->scatter_lights->near > 0)) return 0;
+    Path look;
+    LampWay way;
+    FlatRay bent;
+    slab_begin_look(path, path->tracer, path->index_lane, &look);
+    take_route(&look, &beam->route, &way);
+    if (!is_gone(path, &way, to, &bent)) return 0;
+    double pdf = beams_density_mirrored(world, from, beam, to, path->ray.time);
+    return (float)(pdf * flat_ray_spread(&bent, to) / fabs(hit->cos_normal));
+}
+
+float slab_lamp_density(Path *path, const Hit *hit)
+{
     const World *world = path->tracer->world;
     const SlabWay *gone = &path->slab_way;
     uint32_t emitter = emitter_of_hit(&world->emitters, hit);
     bool scattered = gone->scatter_pdf >= 0 || (path->probing.is_probe && !gone->bent);
     if (!scattered || emitter == EMITTER_NONE || world->emitters.emitters[emitter].cut) return 0;
-    Vec3 from = path->scatter_point, to = ray_point(&path->ray, hit->t), direction;
+    if (gone->n_mirrored == 1) return density_mirrored(path, emitter, hit);
+    Vec3 from = path->scatter_point, to = ray_point(&path->ray, hit->t);
     LampWay way;
     float often;
     FlatRay bent;
     if (!finds_way(path, right_beside(from, gone->first_face), emitter, to, hit->normal, &way, &often) ||
-        !flat_way_find(way.faces, way.n, from, to, &direction, &bent) ||
-        vec3_length(vec3_sub(direction, vec3_from_f(gone->direction))) > same ||
-        (path->index_lane < 0 && parts_colors(&way, direction, &bent)))
+        !is_gone(path, &way, to, &bent))
         return 0;
     const LightRival look = {path->scatter_lights, from, path->scatter_normal, -1};
     return often * density_of_both(world, &look, &path->ray, hit, &bent);
@@ -310,8 +351,9 @@ typedef struct LampLook {
     const LookPlace *from;
     Path look;
     int index_lane;
-    float often;  /* such a look is sent at all */
-    bool at_beam; /* counts where no look that goes straight chooses the place */
+    float often;             /* such a look is sent at all */
+    bool at_beam;            /* counts where no look that goes straight chooses the place */
+    const BeamWay *mirrored; /* NULL, or by which way that is mirrored it goes; often and at_beam do not count then */
 } LampLook;
 
 /* False when memory ends. */
@@ -397,12 +439,18 @@ static bool see_surface(const LampLook *l, uint32_t emitter, Vec3 place, const F
     if (!follow_to_surface(&look, emitter, &event) || !has_met(l, emitter, &look.ray, &event.hit, place) ||
         !light_radiance_hit(world, &look.ray, &event.hit, look.wavelengths.nm, &radiance))
         return false;
+    uint32_t medium = nest_medium(&look.tracer->list);
+    *arrives = lanes_mul(look.beta, path_basic_radiance(world, radiance, medium, look.wavelengths.nm));
+    if (l->mirrored) {
+        Vec3 from = l->from->place->position, met = ray_point(&look.ray, event.hit.t);
+        double pdf = beams_density_mirrored(world, from, l->mirrored, met, look.ray.time);
+        *pdf_w = (float)(pdf * flat_ray_spread(bent, met) / fabs(event.hit.cos_normal));
+        return *pdf_w > 0;
+    }
     const LightRival from = {l->from->choices, l->from->place->position, l->from->normal, -1};
     float straight = straight_density(world, &from, &look.ray, &event.hit, bent);
     bool counts = ball_of(world, emitter) != RTC_NO_OBJECT || (straight > 0) != l->at_beam;
     *pdf_w = counts ? l->often * density_of_both(world, &from, &look.ray, &event.hit, bent) : 0;
-    uint32_t medium = nest_medium(&look.tracer->list);
-    *arrives = lanes_mul(look.beta, path_basic_radiance(world, radiance, medium, look.wavelengths.nm));
     return *pdf_w > 0;
 }
 
@@ -498,6 +546,7 @@ static bool begin_look(Path *path, const LookPlace *from, bool at_beam, LampLook
     look->path = path;
     look->from = from;
     look->at_beam = at_beam;
+    look->mirrored = NULL;
     return tracer_lend(path->tracer) != NULL;
 }
 
@@ -522,42 +571,74 @@ static void look_straight(Path *path, const LookPlace *from, LightLooks *looks)
     tracer_take_back(path->tracer);
 }
 
-/* What comes from one of the beams to where it does not shine straight. */
+/* The faces of a beam's way that is mirrored; see find_way. */
+static bool find_mirrored(LampLook *l, const BeamWay *beam, Vec3 place, LampWay *way)
+{
+    Path *path = l->path;
+    Vec3 direction;
+    FlatRay bent;
+    l->mirrored = beam;
+    l->index_lane = path->bent_apart ? path->index_lane : -1;
+    slab_begin_look(path, path->tracer->looker, l->index_lane, &l->look);
+    take_route(&l->look, &beam->route, way);
+    if (!way->disperses || !flat_way_find(way->faces, way->n, l->from->place->position, place, &direction, &bent) ||
+        !parts_colors(way, direction, &bent))
+        return true;
+    if (path->index_lane < 0) return false;
+    path->bent_apart = true;
+    l->index_lane = path->index_lane;
+    slab_begin_look(path, path->tracer->looker, l->index_lane, &l->look);
+    take_route(&l->look, &beam->route, way);
+    return true;
+}
+
+/* Whether a look at a place of a beam goes by faces where it does not shine straight. */
+static bool is_bent(const Path *path, const LookPlace *from, uint32_t emitter, Vec3 place)
+{
+    const World *world = path->tracer->world;
+    const Vec3 position = from->place->position, to = vec3_sub(place, position);
+    const double distance = vec3_length(to);
+    Vec3f direction = vec3f_from(vec3_scale(to, 1 / distance));
+    if (!slabs_are_on_way(&world->slabs, position, direction, distance) || !is_in_front(from->normal, direction))
+        return false;
+    return ball_of(world, emitter) != RTC_NO_OBJECT ||
+           !(light_shines_at(world, emitter, path->ray.time, place, position) &&
+             light_choice(world, from->choices, emitter, position, from->normal) > 0); /* it is chosen straight */
+}
+
+/* What comes from one of the beams to where it does not shine straight, or from a ball, or is mirrored. */
 static void look_at_beam(Path *path, const LookPlace *from, LightLooks *looks)
 {
     const World *world = path->tracer->world;
     const Vec3 position = from->place->position;
     LightSample *light = &looks->lights[looks->n];
     float u[2];
-    double area;
-    Vec3 place;
+    BeamPlace at;
     uint32_t digits = sampler_3d(&path->sampler, DIM_BEAMS + 3 * path->bounce, u);
-    uint32_t emitter = beams_sample(world, position, path->ray.time, digits, u, &place, &area);
-    if (emitter == EMITTER_NONE) return;
-    Vec3 to = vec3_sub(place, position);
-    const double distance = vec3_length(to);
-    const bool has_area = area > 0;
-    Vec3f direction = vec3f_from(vec3_scale(to, 1 / distance));
-    if (!slabs_are_on_way(&world->slabs, position, direction, distance) || !is_in_front(from->normal, direction) ||
-        (ball_of(world, emitter) == RTC_NO_OBJECT && light_shines_at(world, emitter, path->ray.time, place, position) &&
-         light_choice(world, from->choices, emitter, position, from->normal) > 0)) /* it is chosen straight */
-        return;
-    *light = (LightSample){.direction = direction,
-                           .distance = distance - light_short_of(distance, 1, place),
+    uint32_t emitter = beams_sample(world, position, path->ray.time, digits, u, &at);
+    if (emitter == EMITTER_NONE || !(at.mirrored || is_bent(path, from, emitter, at.place))) return;
+    Vec3 to = vec3_sub(at.place, position);
+    const double distance = vec3_length(to), time = path->ray.time;
+    const bool has_area = at.area > 0;
+    double density = at.mirrored ? beams_density_mirrored(world, position, at.mirrored, at.place, time)
+                                 : beams_density(world, position, emitter, at.place, time);
+    *light = (LightSample){.direction = vec3f_from(vec3_scale(to, 1 / distance)),
+                           .distance = distance - light_short_of(distance, 1, at.place),
                            .object = has_area ? world->scene->lights[world->emitters.emitters[emitter].of].object
                                               : RTC_NO_OBJECT,
                            .primitive = RTC_NO_OBJECT,
                            .emitter = emitter,
                            .delta = !has_area,
-                           .pdf_w = (float)beams_density(world, position, emitter, place, path->ray.time)};
+                           .pdf_w = (float)density};
     LampLook look;
     LampWay way;
     if (!begin_look(path, from, true, &look)) return;
-    if (find_way(&look, light, place, &way) && way.n > 0) {
+    if (at.mirrored ? find_mirrored(&look, at.mirrored, at.place, &way)
+                    : find_way(&look, light, at.place, &way) && way.n > 0) {
         const LightSample again = *light;
-        looks->n += look_by(&look, &way, place, light, &looks->arrives[looks->n]);
+        looks->n += look_by(&look, &way, at.place, light, &looks->arrives[looks->n]);
         looks->lights[looks->n] = again;
-        look_again(&look, &way, place, looks);
+        if (!at.mirrored) look_again(&look, &way, at.place, looks);
     }
     tracer_take_back(path->tracer);
 }

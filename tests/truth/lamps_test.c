@@ -196,6 +196,36 @@ static void expect_alike(const Case *c)
     }
 }
 
+/* Beams that a block mirrors to where they do not shine straight: onto a floor, and across the camera's line in fog, where what looks
+ * find from wherever flights are scattered is told beside what is looked for where the beam goes. */
+static void off_a_block(void **state)
+{
+    (void)state;
+    static const char block[] = "box { from = <8, -1, -30>  to = <14, 40, 30>  interior = glass }\n";
+    char text[3000];
+    RenderSettings looking = truth_small(512), flying = truth_small(8192);
+    looking.caustics = flying.caustics = CAUSTICS_OFF;
+    flying.trial.flights_alone = true;
+    snprintf(
+        text, sizeof text,
+        BENCH
+        "light { shape = disc  from = <-20, 20, 0>  to = <8, 4.44, 0>  radius = 8  angle = 26deg  radiance = 40 }\n%s",
+        block);
+    truth_alike("a disc into a narrow cone, mirrored by a block", truth_measure(text, NULL, 1 << 16, true),
+                truth_measure_as(text, NULL, &looking), 4, 0.03);
+    static const char *const lamps[] = {"shape = disc  radius = .5  angle = 2  radiance = 1e5",
+                                        "shape = spot  angle = 3  intensity = .04"};
+    for (size_t i = 0; i < COUNT_OF(lamps); i++) {
+        char what[80];
+        snprintf(text, sizeof text,
+                 DARK "light { from = <-20, 12, 2.2>  to = <8, 3.83, 2.2>  %s }\n%s"
+                      "box { from = <-40, -1, -40>  to = <40, 40, 40>  interior = fog }\n",
+                 lamps[i], block);
+        snprintf(what, sizeof what, "beam %zu in fog, mirrored by a block", i + 1);
+        truth_alike(what, truth_measure_as(text, NULL, &flying), truth_measure_as(text, NULL, &looking), 4, 0.03);
+    }
+}
+
 #define QUAD "light { from = <6, 30, 4>  to = <0, 0, 0>  size = <16, 12>  radiance = 2 }\n"
 
 static void as_by_chance(void **state)
@@ -307,7 +337,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(points),          cmocka_unit_test(beams),          cmocka_unit_test(under_water),
-        cmocka_unit_test(balls_as_points), cmocka_unit_test(beams_in_water), cmocka_unit_test(as_by_chance),
+        cmocka_unit_test(balls_as_points), cmocka_unit_test(beams_in_water), cmocka_unit_test(off_a_block),
+        cmocka_unit_test(as_by_chance),
     };
     return cmocka_run_group_tests_name("lamps", tests, NULL, NULL);
 }
