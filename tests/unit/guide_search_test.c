@@ -167,7 +167,8 @@ static void damage(void **state)
     is_refused(search, FACTS, offsetof(GuideFacts, n), 5);
     is_refused(search, FACTS, offsetof(GuideFacts, round_end), 1);
     for (size_t i = 0; i < 6; i++) is_refused(search, COUNTS, i == 2 ? 0 : 4 * i, 1);
-    is_refused(search, NODES, offsetof(GuideNode, axis), 4);
+    is_refused(search, NODES, offsetof(GuideNode, axis), GUIDE_LEAF + 1);
+    is_refused(search, NODES, sizeof(GuideNode) + offsetof(GuideNode, axis), GUIDE_KIND); /* not the root */
     is_refused(search, NODES, offsetof(GuideNode, first), 0);
     is_refused(search, NODES, offsetof(GuideNode, first), search->guide->n_nodes - 1);
     is_refused(search, CELLS, offsetof(GuideCell, first_four), search->guide->n_fours);
