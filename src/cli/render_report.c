@@ -149,14 +149,18 @@ static void remark_brightness(const RenderRun *run)
     if (brightness.n < LEAST_PIXELS || !(brightness.mean > 0)) return;
     char what[200];
     const char *part;
-    int clipped = clipped_stops(&brightness, &part);
+    int clipped = clipped_stops(&brightness, &part), tenth = ilogb(band_at(&brightness, 0.9));
     bool is_dark = run->stats.samples && !scene_catches(run->input.scene) && brightness.mean < dark &&
                    band_at(&brightness, nearly_all) < black;
     bool lost = is_lost(&brightness, nearly_all), speaks = lost || is_displayed(run);
     if (speaks && clipped > 0) {
-        snprintf(what, sizeof what, "%s of the picture is %d stop%s or more above white", part, clipped,
-                 plural((unsigned)clipped));
-        remark_exposure(run, what, -clipped - 1);
+        /* where a tenth is brighter by far, what is lit is that, and the rest its surroundings */
+        const bool by_far = tenth > clipped + 2;
+        char and_a_tenth[40] = "";
+        if (by_far) snprintf(and_a_tenth, sizeof and_a_tenth, ", and a tenth %d", tenth);
+        snprintf(what, sizeof what, "%s of the picture is %d stop%s or more above white%s", part, clipped,
+                 plural((unsigned)clipped), and_a_tenth);
+        remark_exposure(run, what, by_far ? -tenth : -clipped - 1);
     } else if (speaks && is_dark) {
         snprintf(what, sizeof what, "the picture is nearly black: its mean luminance is %.2g, where white is 1",
                  brightness.mean);
