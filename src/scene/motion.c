@@ -125,7 +125,7 @@ static void report_projection(Finder *f, const SceneCamera *camera)
 }
 
 static const char *const only_places = "what can be blurred are places, turns and sizes of objects, lights, cameras, "
-                                       "textures and volumes, and numbers and colours of textures";
+                                       "textures and volumes, and numbers and colours of textures; not a volume's own";
 
 /* where NULL: nowhere in the text */
 void motion_report(Finder *f, const Span *where, const char *what, const char *name)
