@@ -12,6 +12,7 @@ enum { LEAST_ENDS = 6, LINES = 240, MORE_LINES = 3000 };
 typedef struct Contact {
     uint32_t n; /* at an opaque object's surface */
     uint32_t object;
+    bool others; /* than that one, too */
     double area, rounding;
 } Contact;
 
@@ -32,6 +33,7 @@ static void look_at_end(const CompiledScene *compiled, Vec3 place, double time, 
         const RtcSurface *surface = &here.items[i];
         if (!is_opaque(compiled, surface->object) || fabsf(vec3f_dot(surface->normal, hit->normal)) < 0.999f) continue;
         if (contact->n++ == 0) contact->object = surface->object;
+        contact->others |= surface->object != contact->object;
         contact->area += area / cosine / LINE_DIRECTIONS;
         contact->rounding = fmax(contact->rounding, surface->rounding);
         return;
@@ -88,9 +90,10 @@ static void report_one(const CompiledScene *compiled, const FirstContact *group,
     report_add_area(&area, compiled->scene, contact->area);
     report_add_length(&gap, compiled->scene, good_gap(compiled, hull, contact->rounding));
     Diagnostic *report = diag_report(diag, D_OPTICAL_CONTACT, object->span,
-                                     "%s and %s, which is opaque, touch over about %s without any air between, as if "
+                                     "%s and %s%s, which %s opaque, touch over about %s without any air between, as if "
                                      "glued: it looks darker there than what only stands on something",
-                                     object->name, opaque->name, buf_text(&area));
+                                     object->name, opaque->name, contact->others ? " and others" : "",
+                                     contact->others ? "are" : "is", buf_text(&area));
     if (n > 1) diag_note_nowhere(diag, report, "and so do %u more that this line places", (unsigned)(n - 1));
     diag_note(diag, report, opaque->span, "%s is here", opaque->name);
     diag_hint(diag, report, "leave a gap of, say, %s", buf_text(&gap));
