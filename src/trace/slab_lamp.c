@@ -497,6 +497,15 @@ static bool find_straight(LampLook *l, const LightSample *light, LampWay *way)
     return find_faces_past(&l->look, light->delta, u, way, &l->often);
 }
 
+/* Those that are known of a beam's way that is mirrored, or in the straight line. */
+static bool find_route(LampLook *l, const LightSample *light, LampWay *way)
+{
+    if (LIKELY(!l->mirrored)) return find_straight(l, light, way);
+    slab_begin_look(l->path, l->path->tracer->looker, l->index_lane, &l->look);
+    take_route(&l->look, &l->mirrored->route, way);
+    return true;
+}
+
 /* The faces up to the light. Where each wavelength would come another way, and the path does not know yet by whose indices it goes,
  * its sample's second path is to begin before. */
 static bool find_way(LampLook *l, const LightSample *light, Vec3 place, LampWay *way)
@@ -505,14 +514,14 @@ static bool find_way(LampLook *l, const LightSample *light, Vec3 place, LampWay 
     Vec3 direction;
     FlatRay bent;
     l->index_lane = path->bent_apart ? path->index_lane : -1;
-    if (!find_straight(l, light, way)) return false;
+    if (!find_route(l, light, way)) return false;
     if (!way->disperses || !flat_way_find(way->faces, way->n, l->from->place->position, place, &direction, &bent) ||
         !parts_colors(way, direction, &bent))
         return true;
     if (path->index_lane < 0) return false;
     path->bent_apart = true;
     l->index_lane = path->index_lane;
-    return find_straight(l, light, way);
+    return find_route(l, light, way);
 }
 
 /* What comes to and fro between two of a way's faces. */
@@ -571,27 +580,6 @@ static void look_straight(Path *path, const LookPlace *from, LightLooks *looks)
     tracer_take_back(path->tracer);
 }
 
-/* The faces of a beam's way that is mirrored; see find_way. */
-static bool find_mirrored(LampLook *l, const BeamWay *beam, Vec3 place, LampWay *way)
-{
-    Path *path = l->path;
-    Vec3 direction;
-    FlatRay bent;
-    l->mirrored = beam;
-    l->index_lane = path->bent_apart ? path->index_lane : -1;
-    slab_begin_look(path, path->tracer->looker, l->index_lane, &l->look);
-    take_route(&l->look, &beam->route, way);
-    if (!way->disperses || !flat_way_find(way->faces, way->n, l->from->place->position, place, &direction, &bent) ||
-        !parts_colors(way, direction, &bent))
-        return true;
-    if (path->index_lane < 0) return false;
-    path->bent_apart = true;
-    l->index_lane = path->index_lane;
-    slab_begin_look(path, path->tracer->looker, l->index_lane, &l->look);
-    take_route(&l->look, &beam->route, way);
-    return true;
-}
-
 /* Whether a look at a place of a beam goes by faces where it does not shine straight. */
 static bool is_bent(const Path *path, const LookPlace *from, uint32_t emitter, Vec3 place)
 {
@@ -633,8 +621,8 @@ static void look_at_beam(Path *path, const LookPlace *from, LightLooks *looks)
     LampLook look;
     LampWay way;
     if (!begin_look(path, from, true, &look)) return;
-    if (at.mirrored ? find_mirrored(&look, at.mirrored, at.place, &way)
-                    : find_way(&look, light, at.place, &way) && way.n > 0) {
+    look.mirrored = at.mirrored;
+    if (find_way(&look, light, at.place, &way) && way.n > 0) {
         const LightSample again = *light;
         looks->n += look_by(&look, &way, at.place, light, &looks->arrives[looks->n]);
         looks->lights[looks->n] = again;
