@@ -424,7 +424,7 @@ static void hold(Held *held, const Photon *photons, uint32_t n, float part, Vec3
  * chandelier held lobes of its bulbs to few strong photons that had landed on its ring, and chose these for nine of ten directions.) */
 static void hold_all(Held *held, const GuidePhotons *cell)
 {
-    const float beside = 2; /* of its own radius */
+    const float beside = 6; /* of its own radius */
     float radius = 0;
     for (uint32_t i = 0; i < cell->n; i++)
         radius = float_max(radius, vec3f_length(vec3f_along(cell->photons[i].position, -1, cell->origin)));

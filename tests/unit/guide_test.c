@@ -250,6 +250,42 @@ static void waves(void **state)
     }
 }
 
+/* Strong light that came by one way to where the tree is near by, and the cell is far away, takes none of its directions. */
+static void far_away(void **state)
+{
+    (void)state;
+    enum { N = 24, OTHERS = 40 };
+    const float spread = 1e-4f;
+    Photon photons[N], others[OTHERS];
+    for (int i = 0; i < N; i++)
+        photons[i] = (Photon){.position = {dice(), 0, dice()},
+                              .from = vec3f_normalize(vec3f(.5f + .01f * dice(), .8f, .01f * dice())),
+                              .flux = 1,
+                              .spread = {spread, 0, spread},
+                              .number = (uint32_t)i,
+                              .lobe = 1};
+    for (int far = 0; far < 2; far++) {
+        for (int i = 0; i < OTHERS; i++)
+            others[i] = (Photon){.position = {dice() + (far ? 20 : .2f), 0, dice()},
+                                 .from = vec3f_normalize(vec3f(-.6f + .1f * dice(), .6f, .1f * dice())),
+                                 .flux = 100,
+                                 .way = 2,
+                                 .number = N + (uint32_t)i};
+        GuidePhotons cell = {.photons = photons,
+                             .n = N,
+                             .n_known = N,
+                             .origin = vec3f(.5f, 0, .5f),
+                             .near = {{others, OTHERS}, {NULL, 0}},
+                             .near_part = 0.125f};
+        for (int i = 0; i < N; i++) cell.known[i].photon = &photons[i];
+        GuideLobe lobes[GUIDE_CELL_LOBES];
+        uint32_t n = guide_fit(&cell, lobes);
+        printf("    others %s: %u lobes, %.2f of the choices narrow\n", far ? "far away" : "beside", n,
+               (double)lobes[N - 1].cumulative);
+        assert_true(far ? lobes[N - 1].cumulative > 0.8f : lobes[N - 1].cumulative < 0.4f);
+    }
+}
+
 /* Where light is folded the lobe that is nearest may be of another sheet, and sure of itself: one that is a little less sure, and knows
  * better, has to be asked as well. */
 static void folds(void **state)
@@ -915,7 +951,7 @@ int main(void)
         cmocka_unit_test(missed),     cmocka_unit_test(keenness), cmocka_unit_test(levels), cmocka_unit_test(flux),
         cmocka_unit_test(looked_for), cmocka_unit_test(bulbs),    cmocka_unit_test(lenses), cmocka_unit_test(hues),
         cmocka_unit_test(beams),      cmocka_unit_test(walks),    cmocka_unit_test(tiles),  cmocka_unit_test(gaps),
-        cmocka_unit_test(apart),
+        cmocka_unit_test(apart),      cmocka_unit_test(far_away),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
