@@ -412,8 +412,8 @@ static Status check_fold(SweepMaker *maker, const Station *a, const Station *b, 
     if (vec3_dot(step, chord) > 0) return STATUS_OK;
     maker->folds = true;
     double reach = a->scale * hypot(p.x, p.y), left = vec3_dot(step, chord) / vec3_dot(chord, chord);
-    if (vec3_length(a->bend) > 0 ||
-        vec3_length(b->bend) > 0) /* what is left of a step so far within is 1 - reach / radius */
+    bool bends = vec3_length(a->bend) > 0 || vec3_length(b->bend) > 0;
+    if (bends) /* what is left of a step so far within is 1 - reach / radius */
         return fail(
             error, STATUS_SCENE,
             "the sweep folds over itself near <%.6g, %.6g, %.6g>, behind point %zu of the path: the path bends with a "

@@ -62,12 +62,18 @@ static void bounds_of(const Photon *photons, uint32_t n, Vec3f *low, Vec3f *high
     }
 }
 
+/* Along an axis of the tree; GUIDE_KIND: 1 on boundaries, else 0. */
+static float coordinate_of(const Photon *photon, uint32_t axis)
+{
+    return axis == GUIDE_KIND ? (float)photon->at_boundary : guide_coordinate(photon->position, axis);
+}
+
 /* Puts photons below a split first; returns how many they are. */
 static uint32_t put_below_first(Photon *photons, uint32_t n, float split, uint32_t axis)
 {
     uint32_t below = 0;
     for (uint32_t i = 0; i < n; i++) {
-        if (!(guide_coordinate(photons[i].position, axis) < split)) continue;
+        if (!(coordinate_of(&photons[i], axis) < split)) continue;
         swap_photons(&photons[i], &photons[below++]);
     }
     return below;
@@ -90,15 +96,6 @@ static uint32_t split_photons(Photon *photons, uint32_t n, uint32_t axis, float 
     if (level == n) return n / 2; /* all at one place: half of them are not found again */
     if (below == 0 || (below + level < n && below + level - n / 2 < n / 2 - below)) *split = above;
     return put_below_first(photons, n, *split, axis);
-}
-
-/* Puts those that are not on boundaries first; returns how many they are. */
-static uint32_t put_others_first(Photon *photons, uint32_t n)
-{
-    uint32_t others = 0;
-    for (uint32_t i = 0; i < n; i++)
-        if (!photons[i].at_boundary) swap_photons(&photons[i], &photons[others++]);
-    return others;
 }
 
 static void set_coordinate(Vec3f *p, uint32_t axis, float to)
@@ -134,7 +131,7 @@ static void make_node(Builder *b, uint32_t node, uint32_t begin, uint32_t end, L
 static void make_root(Builder *b, uint32_t n)
 {
     Guide *guide = b->guide;
-    uint32_t others = put_others_first(b->known, n);
+    uint32_t others = put_below_first(b->known, n, 0.5f, GUIDE_KIND);
     const Leaf all = {.low = {-INFINITY, -INFINITY, -INFINITY}, .high = {INFINITY, INFINITY, INFINITY}};
     guide->n_nodes = 1;
     if (others == 0 || others == n) {

@@ -111,12 +111,11 @@ static void balls_as_points(void **state)
 {
     (void)state;
     static const struct {
-        double radius, away;
+        double radius;
+        int x;
     } cases[] = {{1, 0}, {.1, 0}, {.03, 0}, {.1, 3000}};
-    static const char *const places[] = {"0", "3000"};
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         char text[2][2000], what[80];
-        const char *x = places[cases[i].away > 0];
         for (int ball = 0; ball < 2; ball++) {
             char lamp[200];
             if (ball)
@@ -130,10 +129,11 @@ static void balls_as_points(void **state)
                      "camera { from = <60, 3, 4.5>  to = <60, 0, 0>  fov = .01deg }\n"
                      "light { from = <0, 60, 0>  %s }\n"
                      "box { from = <-900, -1, -900>  to = <900, 30, 900>  interior = water }\n"
-                     "translate(<%s, 0, 0>) }\n",
-                     lamp, x);
+                     "translate(<%d, 0, 0>) }\n",
+                     lamp, cases[i].x);
         }
-        snprintf(what, sizeof what, "a ball of %g mm in water, %s mm from the origin, as a point", cases[i].radius, x);
+        snprintf(what, sizeof what, "a ball of %g mm in water, %d mm from the origin, as a point", cases[i].radius,
+                 cases[i].x);
         RenderSettings looking = truth_small(4096);
         looking.caustics = CAUSTICS_OFF;
         looking.bounces = 2;

@@ -111,6 +111,18 @@ static uint32_t fit(const Photon *photons, uint32_t n_known, uint32_t n, Vec3f o
     return guide_fit(&cell, lobes);
 }
 
+/* A guide of photons that were all followed; they are put into another order. */
+static Guide *build(Photon *photons, uint32_t n)
+{
+    Pool *pool;
+    Error error;
+    Guide *guide;
+    assert_int_equal(pool_new(1, &pool, &error), STATUS_OK);
+    assert_int_equal(guide_build(photons, n, n, pool, &guide, &error), STATUS_OK);
+    pool_free(pool);
+    return guide;
+}
+
 static void densities(void **state)
 {
     (void)state;
@@ -490,17 +502,12 @@ static void levels(void **state)
         default: photons[i].position.y = 0; break;
         }
     }
-    Pool *pool;
-    Error error;
-    Guide *guide;
-    assert_int_equal(pool_new(1, &pool, &error), STATUS_OK);
-    assert_int_equal(guide_build(photons, N, N, pool, &guide, &error), STATUS_OK);
+    Guide *guide = build(photons, N);
     printf("    %d photons on a floor and walls: %u cells with %u lobes\n", N, guide->n_cells, guide->n_lobes);
     assert_int_equal(guide->n_lobes, N + guide->n_cells);
     for (uint32_t i = 0; i < guide->n_cells; i++)
         assert_int_equal(guide->cells[i].n_lobes, guide->begins[i + 1] - guide->begins[i] + 1);
     guide_free(guide);
-    pool_free(pool);
     free(photons);
 }
 
@@ -509,23 +516,18 @@ static void gaps(void **state)
 {
     (void)state;
     enum { N = 4 * 25, PLACES = 10000 };
-    Pool *pool;
-    Error error;
-    Guide *guide;
     Photon photons[N];
     for (int i = 0; i < N; i++) { /* four groups, of 0.4 each way, and 0.1 apart */
         photons[i] = random_photon();
         photons[i].lobe = 1;
         photons[i].position = vec3f(.5f * (float)(i % 2) + .4f * dice(), 0, .5f * (float)(i / 2 % 2) + .4f * dice());
     }
-    assert_int_equal(pool_new(1, &pool, &error), STATUS_OK);
-    assert_int_equal(guide_build(photons, N, N, pool, &guide, &error), STATUS_OK);
+    Guide *guide = build(photons, N);
     assert_int_equal(guide->n_cells, 4);
     for (int i = 0; i < PLACES; i++)
         assert_non_null(guide_find(guide, vec3(.9 * (double)dice(), 0, .9 * (double)dice()), false, 0).cell);
     assert_null(guide_find(guide, vec3(1, 0, 1), false, 0).cell);
     guide_free(guide);
-    pool_free(pool);
 }
 
 /* Photons on frosted glass and those beside it, at the same places, share no cell. */
@@ -533,17 +535,13 @@ static void apart(void **state)
 {
     (void)state;
     enum { N = 1000 };
-    Pool *pool;
-    Error error;
-    Guide *guide;
     Photon *photons = calloc(N, sizeof *photons);
     for (int i = 0; i < N; i++) {
         photons[i] = random_photon();
         photons[i].lobe = i % 3 != 0;
         photons[i].at_boundary = i % 2 != 0;
     }
-    assert_int_equal(pool_new(1, &pool, &error), STATUS_OK);
-    assert_int_equal(guide_build(photons, N, N, pool, &guide, &error), STATUS_OK);
+    Guide *guide = build(photons, N);
     for (uint32_t i = 0; i < guide->n_cells; i++)
         for (uint32_t k = guide->begins[i]; k < guide->begins[i + 1]; k++) {
             const Photon *photon = &photons[k];
@@ -552,7 +550,6 @@ static void apart(void **state)
             assert_ptr_equal(at.cell, &guide->cells[i]);
         }
     guide_free(guide);
-    pool_free(pool);
     free(photons);
 }
 
@@ -568,9 +565,6 @@ static void keenness(void **state)
         bool narrow, others;
         float least, most; /* per steradian */
     } cases[] = {{true, true, .1f / cone, 1 / cone}, {false, true, 0, 1}, {true, false, 0, 0}};
-    Pool *pool;
-    Error error;
-    assert_int_equal(pool_new(1, &pool, &error), STATUS_OK);
     for (size_t c = 0; c < COUNT_OF(cases); c++) {
         Photon photons[N];
         for (uint32_t i = 0; i < N; i++) {
@@ -585,8 +579,7 @@ static void keenness(void **state)
                                   .number = i,
                                   .lobe = !cases[c].others || i % KNOWN_PART == 0};
         }
-        Guide *guide;
-        assert_int_equal(guide_build(photons, N, N, pool, &guide, &error), STATUS_OK);
+        Guide *guide = build(photons, N);
         double mean = 0;
         for (uint32_t i = 0; i < guide->n_cells; i++) mean += (double)guide->cells[i].keenness / guide->n_cells;
         printf("    %-8s %-12s keenness %.4g, an even cone %.4g\n", cases[c].narrow ? "a cone," : "a sky,",
@@ -594,7 +587,6 @@ static void keenness(void **state)
         assert_true(mean >= (double)cases[c].least && mean <= (double)cases[c].most);
         guide_free(guide);
     }
-    pool_free(pool);
 }
 
 /* A scene whose photons are followed. */
@@ -905,9 +897,6 @@ static void walks(void **state)
 {
     (void)state;
     enum { N = 4000, LINES = 500, STEPS = 4000 };
-    Pool *pool;
-    Error error;
-    Guide *guide;
     Photon *photons = calloc(N, sizeof *photons);
     for (int i = 0; i < N; i++) {
         photons[i] = random_photon();
@@ -915,8 +904,7 @@ static void walks(void **state)
         if (i % 5 == 0) photons[i].position.y = 0, photons[i].normal = vec3f(0, 1, 0); /* on a floor */
         if (i % 7 == 0) photons[i].position = vec3f(dice(), .5f + .01f * dice(), .5f); /* a thin beam */
     }
-    assert_int_equal(pool_new(1, &pool, &error), STATUS_OK);
-    assert_int_equal(guide_build(photons, N, N, pool, &guide, &error), STATUS_OK);
+    Guide *guide = build(photons, N);
     double worst = 0;
     int n_wrong = 0;
     for (int i = 0; i < LINES; i++) {
@@ -939,7 +927,6 @@ static void walks(void **state)
     assert_int_equal(n_wrong, 0);
     assert_true(worst < .02);
     guide_free(guide);
-    pool_free(pool);
     free(photons);
 }
 
