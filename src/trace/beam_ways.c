@@ -39,6 +39,7 @@ typedef struct Parts {
     Part items[MOST_PARTS];
     BeamRoute routes[MOST_ROUTES];
     uint32_t n, n_routes;
+    float nm[RAYS]; /* wavelengths of the rays */
 } Parts;
 
 /* How far a ray is followed that does not end: beams get wider, and one piece of a way is to tell of all of it. */
@@ -124,29 +125,29 @@ static void across(Vec3 off, Vec3 x, Vec3 y, double at[2])
     at[1] = vec3_dot(off, y);
 }
 
+void beam_lamp_place(const Affine *to_world, Vec3 place, double at[2])
+{
+    across(vec3_sub(place, to_world->t), affine_vector(to_world, vec3(1, 0, 0)), affine_vector(to_world, vec3(0, 0, 1)),
+           at);
+}
+
 /* One of a lamp's rays; false: it has none. */
 static bool leave_lamp(Path *path, uint32_t emitter, double at[2])
 {
     Tracer *tracer = path->tracer;
     const World *world = tracer->world;
-    const SceneLight *light = &world->scene->lights[world->emitters.emitters[emitter].of];
+    const SceneLight *light = light_of_emitter(world, emitter);
     float u[2], v[2];
-    double area;
+    Vec3 place;
+    Vec3f direction;
     sampler_2d(&path->sampler, sampler_dimension(0, DIM_LIGHT), u);
     sampler_2d(&path->sampler, sampler_dimension(0, DIM_SCATTER), v);
-    path->ray.time = world->moves ? (double)sampler_1d(&path->sampler, DIM_TIME) : 0;
-    Vec3 place = light_even_place(world, emitter, path->ray.time, u, &area);
-    const Vec3 axis = vec3_rounded(vec3_normalize(affine_vector(&light->to_world, vec3(0, 1, 0))));
-    Vec3f x, y;
-    sampling_basis(vec3f_from(axis), &x, &y);
-    float p, q, stretch = (float)sqrt(1 - light->cos_none * light->cos_none);
-    sampling_disc(v[0], v[1], &p, &q);
-    Vec3f direction = vec3f_along(vec3f_along(vec3f_from(axis), stretch * p, x), stretch * q, y);
-    const double time = path->ray.time;
-    across(vec3_sub(place, light->to_world.t), affine_vector(&light->to_world, vec3(1, 0, 0)),
-           affine_vector(&light->to_world, vec3(0, 0, 1)), at);
-    Vec3 in_front = vec3_rounded(vec3_along(place, 1e-4 * sqrt(area), axis));
-    ray_begin(&path->ray, in_front, vec3f_normalize(direction));
+    const double time = world->moves ? (double)sampler_1d(&path->sampler, DIM_TIME) : 0;
+    light_send(world, emitter, time, u, v, &place, &direction);
+    beam_lamp_place(&light->to_world, place, at);
+    double off = 1e-4 * fmax(light->half_width, light->half_height); /* its surface */
+    Vec3 in_front = vec3_rounded(vec3_along(place, off, vec3_from_f(direction)));
+    ray_begin(&path->ray, in_front, direction);
     path->ray.time = time;
     return compiled_interior(world->compiled, vec3f_from(in_front), time, &tracer->shadow_hits, &tracer->list, NULL) ==
            STATUS_OK;
@@ -249,27 +250,26 @@ static bool way_of(const Parts *parts, bool fits, BeamWay *way)
     return way->length > 0;
 }
 
-/* The wavelength below which a part of what a lamp shines is; the ends of what is seen do not count. */
-static float wavelength_below(const SceneLight *light, float part)
+/* Wavelengths that stand for what a lamp shines, each for as much; the ends of what is seen do not count. */
+static void choose_wavelengths(const SceneLight *light, float nm[RAYS])
 {
     enum { FROM = 390, TO = 720 };
     float sums[TO - FROM], all = 0;
     for (int i = 0; i < TO - FROM; i++)
         sums[i] = all += lanes_get(spectrum_at(&light->radiance, lanes_all((float)(FROM + i))), 0);
-    int at = 0;
-    while (at < TO - FROM - 1 && sums[at] <= part * all) at++;
-    return (float)(FROM + at);
+    for (int i = 0, at = 0; i < RAYS; i++) {
+        while (at < TO - FROM - 1 && sums[at] <= ((float)i + 0.5f) / RAYS * all) at++;
+        nm[i] = (float)(FROM + at);
+    }
 }
 
 /* Ray number i of a lamp, followed as follow() says. */
 static void follow_ray(Tracer *tracer, uint32_t emitter, uint32_t i, uint32_t mirrored_at, Parts *parts)
 {
-    const World *world = tracer->world;
-    const SceneLight *light = &world->scene->lights[world->emitters.emitters[emitter].of];
     Path path;
     double place[2];
     path_init(&path, tracer, sampler_make(0, RAY_PIXEL, emitter, i));
-    path.wavelengths = (WavelengthSample){.nm = lanes_all(wavelength_below(light, ((float)i + 0.5f) / RAYS))};
+    path.wavelengths = (WavelengthSample){.nm = lanes_all(parts->nm[i])};
     path.straight = path.for_light = true;
     if (leave_lamp(&path, emitter, place)) follow(&path, place, mirrored_at, parts);
 }
@@ -278,6 +278,7 @@ static void follow_ray(Tracer *tracer, uint32_t emitter, uint32_t i, uint32_t mi
 static void add_ways(World *world, Tracer *tracer, uint32_t emitter, Parts *parts)
 {
     parts->n = parts->n_routes = 0;
+    choose_wavelengths(light_of_emitter(world, emitter), parts->nm);
     for (uint32_t at = 0; at <= MIRRORED_AT_MOST; at++)
         for (uint32_t i = 0; i < RAYS && !tracer->out_of_memory; i++) follow_ray(tracer, emitter, i, at, parts);
     for (uint32_t i = 0; i < parts->n_routes && world->n_beam_ways < BEAM_WAYS_MOST; i++) {
@@ -298,8 +299,8 @@ Status beam_ways_find(World *world, Error *error)
     Tracer tracer;
     tracer_init(&tracer, world);
     for (uint32_t i = 0; i < world->n_beams; i++) {
-        const SceneLight *light = &world->scene->lights[world->emitters.emitters[world->beams[i]].of];
-        if (light->cos_none >= NARROW) add_ways(world, &tracer, world->beams[i], parts);
+        if (light_of_emitter(world, world->beams[i])->cos_none >= NARROW)
+            add_ways(world, &tracer, world->beams[i], parts);
     }
     bool out_of_memory = tracer.out_of_memory;
     tracer_clear(&tracer);

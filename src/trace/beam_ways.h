@@ -59,6 +59,8 @@ typedef struct BeamWay {
 
 /* Sets world->beam_ways. All else of the world is known. STATUS_NOMEM. */
 ATTR_NODISCARD Status beam_ways_find(World *world, Error *error);
+/* A lamp's place along its x and z axes, as ways have it. */
+void beam_lamp_place(const Affine *to_world, Vec3 place, double at[2]);
 /* Whether a place is within a way. */
 bool beam_way_holds(const BeamWay *way, Vec3 place);
 /* The middle of where light comes from to a place there, and how far around that; 0: from anywhere on the lamp. */

@@ -6,7 +6,6 @@
 
 #include "base/angle.h"
 #include "optics/sampling.h"
-#include "trace/beam_ways.h"
 
 /* Whether a lamp's cone may come to a ball: by the cone whose tip is so far behind the lamp that it holds all of its cones. */
 static bool comes_to_ball(const SceneLight *light, Vec3 middle, double radius)
@@ -78,11 +77,6 @@ bool beams_have(const World *world, uint32_t emitter)
 #define TURNED 0.8
 #define RIM 0.2
 
-static bool is_ball(const World *world, uint32_t emitter)
-{
-    return world->scene->lights[world->emitters.emitters[emitter].of].kind == LIGHT_SPHERE;
-}
-
 /* The zone of a ball about the rim of what is seen of it from there. */
 typedef struct Zone {
     Vec3 centre, towards; /* unit */
@@ -94,7 +88,7 @@ static Zone zone_of(const World *world, Vec3 from, double time, uint32_t emitter
     const float any[2] = {0.5f, 0.5f};
     double none;
     Zone zone = {.centre = light_even_place(world, emitter, time, any, &none),
-                 .radius = world->scene->lights[world->emitters.emitters[emitter].of].half_width};
+                 .radius = light_of_emitter(world, emitter)->half_width};
     Vec3 to = vec3_sub(from, zone.centre);
     double distance = vec3_length(to);
     zone.towards = vec3_scale(to, 1 / distance);
@@ -145,39 +139,36 @@ static const BeamWay *way_that_holds(const World *world, Vec3 from, uint32_t whi
 }
 
 /* How dense the places are that a look along a way chooses. */
-static double density_along(const BeamWay *way, Vec3 from, const Affine *to_world, Vec3 place, double area)
+static double density_along(const World *world, const BeamWay *way, Vec3 from, Vec3 place, double area)
 {
     if (!(area > 0)) return 1;
     double middle[2], reach = beam_way_source(way, from, middle);
     if (!(reach > 0)) return 1 / area;
-    Vec3 off = vec3_sub(place, to_world->t);
-    double x = vec3_dot(off, affine_vector(to_world, vec3(1, 0, 0))) - middle[0],
-           z = vec3_dot(off, affine_vector(to_world, vec3(0, 0, 1))) - middle[1];
-    return x * x + z * z <= reach * reach ? 1 / (MEN_PI * reach * reach) : 0;
+    double at[2];
+    beam_lamp_place(&light_of_emitter(world, way->emitter)->to_world, place, at);
+    return hypot(at[0] - middle[0], at[1] - middle[1]) <= reach ? 1 / (MEN_PI * reach * reach) : 0;
 }
 
 /* A place of one of the beams, by a number in [0, 1). */
 static uint32_t sample_beam(const World *world, Vec3 from, double time, double choice, const float u[2],
                             BeamPlace *chosen)
 {
-    Vec3 *place = &chosen->place;
-    double *area = &chosen->area;
     uint32_t n_ways = ways_that_hold(world, from);
     double along = n_ways ? ALONG_WAYS : 0;
     if (choice >= along) {
         uint32_t emitter = world->beams[(uint32_t)((choice - along) / (1 - along) * world->n_beams)];
-        *place = light_even_place(world, emitter, time, u, area);
+        chosen->place = light_even_place(world, emitter, time, u, &chosen->area);
         return emitter;
     }
     const BeamWay *way = way_that_holds(world, from, (uint32_t)(choice / along * n_ways));
     if (way->route.mirrored) chosen->mirrored = way;
-    *place = light_even_place(world, way->emitter, time, u, area);
+    chosen->place = light_even_place(world, way->emitter, time, u, &chosen->area);
     double middle[2], reach = beam_way_source(way, from, middle);
-    if (!(*area > 0) || !(reach > 0)) return way->emitter;
-    const Affine *to_world = &world->scene->lights[world->emitters.emitters[way->emitter].of].to_world;
+    if (!(chosen->area > 0) || !(reach > 0)) return way->emitter;
+    const Affine *to_world = &light_of_emitter(world, way->emitter)->to_world;
     float x, z;
     sampling_disc(u[0], u[1], &x, &z);
-    *place = affine_point(to_world, vec3(middle[0] + reach * (double)x, 0, middle[1] + reach * (double)z));
+    chosen->place = affine_point(to_world, vec3(middle[0] + reach * (double)x, 0, middle[1] + reach * (double)z));
     return way->emitter;
 }
 
@@ -204,19 +195,16 @@ uint32_t beams_sample(const World *world, Vec3 from, double time, uint32_t digit
 
 double beams_density(const World *world, Vec3 from, uint32_t emitter, Vec3 place, double time)
 {
-    const float any[2] = {0.5f, 0.5f};
-    const Affine *to_world = &world->scene->lights[world->emitters.emitters[emitter].of].to_world;
-    double area, sum = 0;
-    if (is_ball(world, emitter)) {
+    if (light_of_emitter(world, emitter)->kind == LIGHT_SPHERE) {
         Zone zone = zone_of(world, from, time, emitter);
         return AT_BALLS * zone_density(&zone, place) / world->n_balls;
     }
-    light_even_place(world, emitter, time, any, &area);
+    double area = light_even_area(world, emitter, time), sum = 0;
     uint32_t n_ways = ways_that_hold(world, from);
     for (uint32_t i = 0; i < world->n_beam_ways && n_ways; i++) {
         const BeamWay *way = &world->beam_ways[i];
         if (way->emitter == emitter && !way->route.mirrored && beam_way_holds(way, from))
-            sum += density_along(way, from, to_world, place, area) / n_ways;
+            sum += density_along(world, way, from, place, area) / n_ways;
     }
     double along = n_ways ? ALONG_WAYS : 0, even = 1 / ((area > 0 ? area : 1) * world->n_beams);
     return part_of_beams(world) * (along * sum + (1 - along) * even);
@@ -224,12 +212,9 @@ double beams_density(const World *world, Vec3 from, uint32_t emitter, Vec3 place
 
 double beams_density_mirrored(const World *world, Vec3 from, const BeamWay *way, Vec3 place, double time)
 {
-    const float any[2] = {0.5f, 0.5f};
-    const Affine *to_world = &world->scene->lights[world->emitters.emitters[way->emitter].of].to_world;
-    double area;
-    light_even_place(world, way->emitter, time, any, &area);
+    double area = light_even_area(world, way->emitter, time);
     return part_of_beams(world) * ALONG_WAYS / ways_that_hold(world, from) *
-           density_along(way, from, to_world, place, area);
+           density_along(world, way, from, place, area);
 }
 
 const BeamWay *beams_find_mirrored(const World *world, Vec3 from, uint32_t emitter, uint64_t steps)

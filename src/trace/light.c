@@ -312,15 +312,14 @@ bool light_is_met(const World *world, const LightSample *sample, const Hit *hit)
 
 double light_send_extent(const World *world, uint32_t emitter)
 {
-    const Emitter *e = &world->emitters.emitters[emitter];
-    if (e->kind != EMITTER_LIGHT || !light_is_focused(&world->scene->lights[e->of])) return 0;
-    return light_flat_extent(&world->scene->lights[e->of]);
+    const SceneLight *light = light_of_emitter(world, emitter);
+    return light && light_is_focused(light) ? light_flat_extent(light) : 0;
 }
 
 void light_send(const World *world, uint32_t emitter, double time, const float u[2], const float v[2], Vec3 *origin,
                 Vec3f *direction)
 {
-    const SceneLight *light = &world->scene->lights[world->emitters.emitters[emitter].of];
+    const SceneLight *light = light_of_emitter(world, emitter);
     Affine room;
     light_flat_send(light, light_place(world, light, time, &room), u, v, origin, direction);
 }
@@ -419,16 +418,23 @@ LightPivot light_pivot(const World *world, uint32_t number, double time, double 
 
 Vec3 light_even_place(const World *world, uint32_t emitter, double time, const float u[2], double *area)
 {
-    const SceneLight *light = &world->scene->lights[world->emitters.emitters[emitter].of];
+    const SceneLight *light = light_of_emitter(world, emitter);
     Affine room;
     const Affine *to_world = light_place(world, light, time, &room);
     *area = light_is_flat(light) ? light_flat_area(light, to_world) : 0;
     return light_is_flat(light) ? light_flat_point(light, to_world, u) : to_world->t;
 }
 
+double light_even_area(const World *world, uint32_t emitter, double time)
+{
+    const SceneLight *light = light_of_emitter(world, emitter);
+    Affine room;
+    return light_is_flat(light) ? light_flat_area(light, light_place(world, light, time, &room)) : 0;
+}
+
 bool light_shines_at(const World *world, uint32_t emitter, double time, Vec3 place, Vec3 point)
 {
-    const SceneLight *light = &world->scene->lights[world->emitters.emitters[emitter].of];
+    const SceneLight *light = light_of_emitter(world, emitter);
     Affine room;
     const Affine *to_world = light_place(world, light, time, &room);
     Vec3 local = vec3_normalize(affine_normal(to_world, vec3_sub(point, place))); /* the transpose inverts a rotation */

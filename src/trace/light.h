@@ -69,7 +69,7 @@ bool light_is_met(const World *world, const LightSample *sample, const Hit *hit)
 /* Of an emitter that is flat and shines into a cone: area times projected solid angle of what it shines into, as if it were as
  * bright to all of that; one that moves as it is at rest. 0 of others. */
 double light_send_extent(const World *world, uint32_t emitter);
-/* A line along which such an emitter shines, all alike. u, v: uniform in [0, 1). */
+/* A line along which such an emitter shines, or a LIGHT_POINT with a cone, all alike. u, v: uniform in [0, 1). */
 void light_send(const World *world, uint32_t emitter, double time, const float u[2], const float v[2], Vec3 *origin,
                 Vec3f *direction);
 /* An entry of the choices, of which there are some; *choice: uniform in [0, 1), and what is left of its digits. */
@@ -84,8 +84,16 @@ typedef struct LightPivot {
 LightPivot light_pivot(const World *world, uint32_t emitter, double time, double rest, const float u[2]);
 /* The same for a place on it that is known. */
 LightPivot light_pivot_at(const World *world, uint32_t emitter, double time, Vec3 place);
+/* The light that an emitter is; NULL: it is none. */
+static inline const SceneLight *light_of_emitter(const World *world, uint32_t emitter)
+{
+    const Emitter *e = &world->emitters.emitters[emitter];
+    return e->kind == EMITTER_LIGHT ? &world->scene->lights[e->of] : NULL;
+}
 /* A place of an EMITTER_LIGHT that is flat, uniform in its area; of others their middle, and area 0. u: uniform in [0, 1). */
 Vec3 light_even_place(const World *world, uint32_t emitter, double time, const float u[2], double *area);
+/* That area alone. */
+double light_even_area(const World *world, uint32_t emitter, double time);
 /* Whether it shines straight from there towards a point. */
 bool light_shines_at(const World *world, uint32_t emitter, double time, Vec3 place, Vec3 point);
 /* Cuts the stretch of a line, from *begin to *end along its direction, to where an emitter may shine; false: nowhere. Of a

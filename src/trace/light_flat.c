@@ -54,11 +54,11 @@ void light_flat_send(const SceneLight *light, const Affine *to_world, const floa
     Vec3 normal;
     Vec3f across, beside;
     float x, y, sine = (float)sqrt(1 - light->cos_none * light->cos_none);
-    find_area(light, to_world, &normal);
-    sampling_disc(v[0], v[1], &x, &y); /* the cone's directions, seen from above */
+    find_area(light, to_world, &normal); /* of what has no size this is its axis */
+    sampling_disc(v[0], v[1], &x, &y);   /* the cone's directions, seen from above */
     x *= sine, y *= sine;
     sampling_basis(vec3f_from(normal), &across, &beside);
-    *origin = light_flat_point(light, to_world, u);
+    *origin = light_is_flat(light) ? light_flat_point(light, to_world, u) : to_world->t;
     *direction = vec3f_along(vec3f_scale(across, x), y, beside);
     *direction = vec3f_along(*direction, sqrtf(float_max(1 - x * x - y * y, 0)), vec3f_from(normal));
 }

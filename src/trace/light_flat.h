@@ -10,7 +10,7 @@ Vec3 light_flat_point(const SceneLight *light, const Affine *to_world, const flo
 double light_flat_area(const SceneLight *light, const Affine *to_world);
 /* Its area times the projected solid angle of the cone that it shines into; one that moves as it is at rest. */
 double light_flat_extent(const SceneLight *light);
-/* A line along which it shines, uniform in its area and in the projected solid angle of its cone. */
+/* A line along which it shines, or a LIGHT_POINT, uniform in its area and in the projected solid angle of its cone. */
 void light_flat_send(const SceneLight *light, const Affine *to_world, const float u[2], const float v[2], Vec3 *origin,
                      Vec3f *direction);
 /* Samples the part of it that may shine at a point; radiance: in relation to that along the normal. */

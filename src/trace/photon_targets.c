@@ -112,7 +112,7 @@ static Status find_lamps(const World *world, PhotonTargets *targets, Error *erro
     for (uint32_t i = 0; i < world->emitters.n; i++) {
         const double extent = light_send_extent(world, i);
         if (!(extent > 0)) continue;
-        double power = extent * spectrum_luminance(&world->scene->lights[world->emitters.emitters[i].of].radiance);
+        double power = extent * spectrum_luminance(&light_of_emitter(world, i)->radiance);
         if (!(power > 0)) continue;
         sum += power;
         if (!array_reserve(&targets->lamps, &capacity, targets->n_lamps + 1, sizeof *targets->lamps))

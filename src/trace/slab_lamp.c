@@ -177,9 +177,8 @@ static void take_route(Path *look, const BeamRoute *route, LampWay *way)
 /* The object of a lamp that is a ball, which does not hide the places behind it from looks; RTC_NO_OBJECT: it is none. */
 static uint32_t ball_of(const World *world, uint32_t emitter)
 {
-    const Emitter *of = &world->emitters.emitters[emitter];
-    bool ball = of->kind == EMITTER_LIGHT && world->scene->lights[of->of].kind == LIGHT_SPHERE;
-    return ball ? world->scene->lights[of->of].object : RTC_NO_OBJECT;
+    const SceneLight *light = light_of_emitter(world, emitter);
+    return light && light->kind == LIGHT_SPHERE ? light->object : RTC_NO_OBJECT;
 }
 
 /* Whether a surface takes light from that direction; normal: as LightQuery's. */
@@ -425,7 +424,7 @@ static bool has_met(const LampLook *l, uint32_t emitter, const Ray *ray, const H
     double behind = fabs(vec3_dot(vec3_sub(place, ray_point(ray, hit->t)), vec3_from_f(ray->direction)));
     if (ball_of(world, emitter) == RTC_NO_OBJECT)
         return behind < 1e-4 * vec3_length(vec3_sub(place, l->from->place->position));
-    return behind < world->scene->lights[world->emitters.emitters[emitter].of].half_width * fabs(hit->cos_normal);
+    return behind < light_of_emitter(world, emitter)->half_width * fabs(hit->cos_normal);
 }
 
 /* What comes from a place of a lamp with a surface; pdf_w: its density. */
@@ -580,13 +579,12 @@ static void look_straight(Path *path, const LookPlace *from, LightLooks *looks)
     tracer_take_back(path->tracer);
 }
 
-/* Whether a look at a place of a beam goes by faces where it does not shine straight. */
-static bool is_bent(const Path *path, const LookPlace *from, uint32_t emitter, Vec3 place)
+/* Whether a look at a place of a beam, in that direction if it went straight, goes by faces where the beam does not shine straight. */
+static bool is_bent(const Path *path, const LookPlace *from, uint32_t emitter, Vec3 place, Vec3f direction,
+                    double distance)
 {
     const World *world = path->tracer->world;
-    const Vec3 position = from->place->position, to = vec3_sub(place, position);
-    const double distance = vec3_length(to);
-    Vec3f direction = vec3f_from(vec3_scale(to, 1 / distance));
+    const Vec3 position = from->place->position;
     if (!slabs_are_on_way(&world->slabs, position, direction, distance) || !is_in_front(from->normal, direction))
         return false;
     return ball_of(world, emitter) != RTC_NO_OBJECT ||
@@ -604,16 +602,17 @@ static void look_at_beam(Path *path, const LookPlace *from, LightLooks *looks)
     BeamPlace at;
     uint32_t digits = sampler_3d(&path->sampler, DIM_BEAMS + 3 * path->bounce, u);
     uint32_t emitter = beams_sample(world, position, path->ray.time, digits, u, &at);
-    if (emitter == EMITTER_NONE || !(at.mirrored || is_bent(path, from, emitter, at.place))) return;
-    Vec3 to = vec3_sub(at.place, position);
+    if (emitter == EMITTER_NONE) return;
+    const Vec3 to = vec3_sub(at.place, position);
     const double distance = vec3_length(to), time = path->ray.time;
+    const Vec3f direction = vec3f_from(vec3_scale(to, 1 / distance));
+    if (!at.mirrored && !is_bent(path, from, emitter, at.place, direction, distance)) return;
     const bool has_area = at.area > 0;
     double density = at.mirrored ? beams_density_mirrored(world, position, at.mirrored, at.place, time)
                                  : beams_density(world, position, emitter, at.place, time);
-    *light = (LightSample){.direction = vec3f_from(vec3_scale(to, 1 / distance)),
+    *light = (LightSample){.direction = direction,
                            .distance = distance - light_short_of(distance, 1, at.place),
-                           .object = has_area ? world->scene->lights[world->emitters.emitters[emitter].of].object
-                                              : RTC_NO_OBJECT,
+                           .object = has_area ? light_of_emitter(world, emitter)->object : RTC_NO_OBJECT,
                            .primitive = RTC_NO_OBJECT,
                            .emitter = emitter,
                            .delta = !has_area,
