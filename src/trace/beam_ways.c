@@ -27,16 +27,16 @@ enum { MOST_SCATTERED = 1 };
 
 /* ---- ways ---- */
 
-/* A straight part of a ray's way. steps: of the faces before; place: where it left the lamp, as a BeamWay has it. */
+/* A straight part of a ray's way. route: the number of its faces before; place: where it left the lamp, as a BeamWay has it. */
 typedef struct Part {
-    uint64_t steps;
+    uint32_t route;
     Vec3 from, to;
     double place[2];
 } Part;
 
 /* All of a lamp's. */
 typedef struct Parts {
-    Part items[MOST_PARTS];
+    Part items[MOST_PARTS], by_route[MOST_PARTS];
     BeamRoute routes[MOST_ROUTES];
     uint32_t n, n_routes;
     float nm[RAYS]; /* wavelengths of the rays */
@@ -53,22 +53,14 @@ static double far_away(const World *world, Vec3 from)
     return far;
 }
 
-static bool knows_route(const Parts *parts, uint64_t steps)
-{
-    for (uint32_t i = 0; i < parts->n_routes; i++)
-        if (parts->routes[i].steps == steps) return true;
-    return false;
-}
-
 /* False: there is no room. */
-static bool add_part(Parts *parts, const BeamRoute *route, const Part *part)
+static bool add_part(Parts *parts, const BeamRoute *route, Vec3 from, Vec3 to, const double place[2])
 {
-    if (parts->n == MOST_PARTS) return false;
-    if (!knows_route(parts, route->steps)) {
-        if (parts->n_routes == MOST_ROUTES) return false;
-        parts->routes[parts->n_routes++] = *route;
-    }
-    parts->items[parts->n++] = *part;
+    uint32_t i = 0;
+    while (i < parts->n_routes && parts->routes[i].steps != route->steps) i++;
+    if (parts->n == MOST_PARTS || i == MOST_ROUTES) return false;
+    if (i == parts->n_routes) parts->routes[parts->n_routes++] = *route;
+    parts->items[parts->n++] = (Part){i, from, to, {place[0], place[1]}};
     return true;
 }
 
@@ -100,8 +92,9 @@ static void follow(Path *path, const double place[2], uint32_t mirrored_at, Part
         path_next_event(path, &event);
         if (event.kind == EVENT_LOST || event.kind == EVENT_GIVE_UP) return;
         double t = event.kind == EVENT_ESCAPE ? far_away(world, from) : event.hit.t;
-        const Part part = {route.steps, from, ray_point(&path->ray, t), {place[0], place[1]}};
-        if (route.n > 0 && route.mirrored == (mirrored_at > 0) && !add_part(parts, &route, &part)) return;
+        if (route.n > 0 && route.mirrored == (mirrored_at > 0) &&
+            !add_part(parts, &route, from, ray_point(&path->ray, t), place))
+            return;
         if (event.kind == EVENT_OPAQUE) {
             if (!slab_cross_pane(path, &event)) return;
             continue;
@@ -154,12 +147,10 @@ static bool leave_lamp(Path *path, uint32_t emitter, double at[2])
 }
 
 /* How far beside the way the parts are at one of its ends, and, *along, how far they reach there. */
-static double radius_at(const BeamWay *way, const Parts *parts, bool end, double *along)
+static double radius_at(const BeamWay *way, const Part *parts, uint32_t n, bool end, double *along)
 {
     double radius = 0;
-    for (uint32_t i = 0; i < parts->n; i++) {
-        const Part *part = &parts->items[i];
-        if (part->steps != way->route.steps) continue;
+    for (const Part *part = parts; part < parts + n; part++) {
         Vec3 off = vec3_sub(end ? part->to : part->from, way->from);
         double at = vec3_dot(off, way->along);
         radius = fmax(radius, vec3_length(vec3_along(off, -at, way->along)));
@@ -195,11 +186,10 @@ static void add_up(const BeamWay *way, const Part *part, Sums *sums)
 }
 
 /* By least squares over the rays. */
-static void fit_source(const Parts *parts, BeamWay *way)
+static void fit_source(const Part *parts, uint32_t n, BeamWay *way)
 {
     Sums sums = {0};
-    for (uint32_t i = 0; i < parts->n; i++)
-        if (parts->items[i].steps == way->route.steps) add_up(way, &parts->items[i], &sums);
+    for (const Part *part = parts; part < parts + n; part++) add_up(way, part, &sums);
     const double more = 1 / sums.n;
     for (int i = 0; i < 2; i++) way->across_mean[i] = sums.p[i] * more, way->place_mean[i] = sums.c[i] * more;
     const double *p = way->across_mean, *c = way->place_mean;
@@ -212,9 +202,7 @@ static void fit_source(const Parts *parts, BeamWay *way)
         way->slope[i][0] = (x * (yy + ridge) - y * xy) / determinant;
         way->slope[i][1] = (y * (xx + ridge) - x * xy) / determinant;
     }
-    for (uint32_t i = 0; i < parts->n; i++) {
-        const Part *part = &parts->items[i];
-        if (part->steps != way->route.steps) continue;
+    for (const Part *part = parts; part < parts + n; part++) {
         for (int end = 0; end < 2; end++) {
             double middle[2];
             beam_way_source(way, end ? part->to : part->from, middle);
@@ -224,29 +212,26 @@ static void fit_source(const Parts *parts, BeamWay *way)
     }
 }
 
-/* What the parts make that have come by the way's route; false: nothing that has a length. fits: lamps do not move. */
-static bool way_of(const Parts *parts, bool fits, BeamWay *way)
+/* What n >= 1 parts make that have come by one route; false: nothing that has a length. fits: lamps do not move. */
+static bool way_of(const Part *parts, uint32_t n, bool fits, BeamWay *way)
 {
     Vec3 from = vec3(0, 0, 0), to = vec3(0, 0, 0);
-    double n_of_way = 0, begin = 0, end = 0;
-    for (uint32_t i = 0; i < parts->n; i++) {
-        const Part *part = &parts->items[i];
-        if (part->steps != way->route.steps) continue;
+    double begin = 0, end = 0;
+    for (const Part *part = parts; part < parts + n; part++) {
         from = vec3_add(from, part->from);
         to = vec3_add(to, part->to);
-        n_of_way++;
     }
-    way->from = vec3_scale(from, 1 / n_of_way);
-    Vec3 along = vec3_sub(vec3_scale(to, 1 / n_of_way), way->from);
+    way->from = vec3_scale(from, 1 / (double)n);
+    Vec3 along = vec3_sub(vec3_scale(to, 1 / (double)n), way->from);
     if (!(vec3_length(along) > 0)) return false;
     way->along = vec3_normalize(along);
     sampling_basis(vec3f_from(way->along), &way->side[0], &way->side[1]);
-    for (int i = 0; i < 2; i++) way->radius[i] = radius_at(way, parts, i == 1, i == 1 ? &end : &begin);
+    for (int i = 0; i < 2; i++) way->radius[i] = radius_at(way, parts, n, i == 1, i == 1 ? &end : &begin);
     way->from = vec3_along(way->from, begin, way->along);
     way->length = end - begin;
     double least = 1e-6 * way->length;
     for (int i = 0; i < 2; i++) way->radius[i] = fmax(way->radius[i], least);
-    if (fits) fit_source(parts, way);
+    if (fits) fit_source(parts, n, way);
     return way->length > 0;
 }
 
@@ -274,6 +259,15 @@ static void follow_ray(Tracer *tracer, uint32_t emitter, uint32_t i, uint32_t mi
     if (leave_lamp(&path, emitter, place)) follow(&path, place, mirrored_at, parts);
 }
 
+/* Those of one route, into parts->by_route; returns how many. */
+static uint32_t parts_by_route(Parts *parts, uint32_t route)
+{
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < parts->n; i++)
+        if (parts->items[i].route == route) parts->by_route[n++] = parts->items[i];
+    return n;
+}
+
 /* Adds the ways of a lamp. */
 static void add_ways(World *world, Tracer *tracer, uint32_t emitter, Parts *parts)
 {
@@ -283,7 +277,8 @@ static void add_ways(World *world, Tracer *tracer, uint32_t emitter, Parts *part
         for (uint32_t i = 0; i < RAYS && !tracer->out_of_memory; i++) follow_ray(tracer, emitter, i, at, parts);
     for (uint32_t i = 0; i < parts->n_routes && world->n_beam_ways < BEAM_WAYS_MOST; i++) {
         BeamWay way = {.emitter = emitter, .route = parts->routes[i]};
-        if (way_of(parts, !world->moves, &way)) world->beam_ways[world->n_beam_ways++] = way;
+        uint32_t n = parts_by_route(parts, i);
+        if (way_of(parts->by_route, n, !world->moves, &way)) world->beam_ways[world->n_beam_ways++] = way;
     }
 }
 
