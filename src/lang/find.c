@@ -16,6 +16,7 @@ typedef struct Search {
     Diag *diag;
     Span span;
     const char *name;
+    bool imports;        /* what is sought is a text to import, and the library has some */
     bool outside;        /* where it would be is not within the confinement */
     const char *skipped; /* a folder of -I or MENISCUS_PATH that is not; NULL: none */
     const char *other;   /* found, but a folder, a pipe or a device: the last of them; NULL: none */
@@ -170,6 +171,21 @@ static const char *shown_name(Arena *arena, const char *name)
     return text;
 }
 
+/* What an import's name stands for that lacks its end, or the library's folder: "std/media", "media.mns", "media"; NULL: nothing. */
+static const char *whole_name(const Search *search)
+{
+    static const struct {
+        const char *folder, *end;
+    } lacking[] = {{"", ".mns"}, {"std/", ""}, {"std/", ".mns"}};
+    for (size_t i = 0; i < COUNT_OF(lacking); i++) {
+        const EvalLibraryFile *library;
+        Search whole = *search;
+        whole.name = arena_format(search->diag->arena, "%s%s%s", lacking[i].folder, search->name, lacking[i].end);
+        if (search_file(&whole, &library) || library) return whole.name;
+    }
+    return NULL;
+}
+
 static void report_missing(const Search *search)
 {
     Diag *diag = search->diag;
@@ -188,15 +204,13 @@ static void report_missing(const Search *search)
     Diagnostic *report =
         diag_report(diag, D_FILE_NOT_FOUND, search->span, "no file '%s'", shown_name(diag->arena, search->name));
     if (strpbrk(search->name, "\n\t\\")) diag_hint(diag, report, "write '/' between the folders of a path");
-    const EvalLibraryFile *library;
-    Search whole = *search; /* "std/media" */
-    whole.name = arena_format(diag->arena, "%s.mns", search->name);
+    const char *whole = search->imports ? whole_name(search) : NULL;
     size_t length = strlen(search->name);
     if (length > 4 && strcmp(search->name + length - 4, ".inc") == 0)
         diag_hint(diag, report, "files of POV-Ray's are not read; meniscus help std lists what stands in their place");
-    else if (search_file(&whole, &library) || library)
-        diag_hint(diag, report, "did you mean '%s'?", whole.name);
-    else if (!report->hint)
+    else if (whole)
+        diag_hint(diag, report, "did you mean '%s'?", whole);
+    else if (!report->hint && search->imports)
         suggest_library(search, report);
     if (!report->hint && strncmp(search->name, "std/", 4) == 0)
         diag_hint(diag, report, "meniscus help std lists what the library has");
@@ -226,7 +240,7 @@ const char *eval_seek_file(const EvalOptions *options, Diag *diag, Span span, co
 const char *find_import(const EvalOptions *options, Diag *diag, Span span, const char *name,
                         const EvalLibraryFile **library)
 {
-    Search search = {.options = options, .diag = diag, .span = span, .name = name};
+    Search search = {.options = options, .diag = diag, .span = span, .name = name, .imports = true};
     const Source *source = &diag->sources->sources[span.source];
     *library = NULL;
     if (!source->path && library_file(options, source->name)) /* the texts of the library belong together */
