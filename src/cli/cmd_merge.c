@@ -75,8 +75,12 @@ static Status write_outputs(const MergeRun *run, Error *error)
     ExrOptions exr = {
         .half = half > full, .attributes = described.items, .n_attributes = described.n, .pool = run->pool};
     ColorLook look = output_look(run->options, NULL);
-    for (size_t i = 0; i < run->n_outputs; i++)
+    bool displayed = false;
+    for (size_t i = 0; i < run->n_outputs; i++) {
         TRY(output_write(&run->outputs[i], &run->image, &exr, run->color.config, &look, error));
+        displayed |= run->outputs[i].png;
+    }
+    if (displayed) output_say_exposure(run->talk, &run->image, &look);
     return STATUS_OK;
 }
 

@@ -143,13 +143,14 @@ static Status choose_layer(const char *name, const Talk *talk, Viewed *viewed, E
     return STATUS_OK;
 }
 
-static Status write_png(const Options *options, const ColorConfig *config, const Viewed *viewed, const char *path,
-                        Error *error)
+static Status write_png(const Options *options, const ColorConfig *config, const Talk *talk, const Viewed *viewed,
+                        const char *path, Error *error)
 {
     unsigned bits = option_is(options, OPTION_BITS, "16") ? 16 : 8;
     Image shown;
     ColorLook look = output_look(options, NULL);
     if (viewed->shown) return png_write(path, &viewed->image, bits, error);
+    output_say_exposure(talk, &viewed->image, &look);
     TRY(image_for_display(&viewed->image, config, &look, &shown, error));
     Status status = png_write(path, &shown, bits, error);
     image_clear(&shown);
@@ -182,7 +183,7 @@ static Status view_file(const Options *options, const ColorConfig *config, const
     TRY(image_read_linear(options->operands[0], &viewed.image, error));
     Status status = layer ? choose_layer(layer, talk, &viewed, error) : STATUS_OK;
     if (status == STATUS_OK && where) status = show(options, config, &viewed, where, error);
-    if (status == STATUS_OK && path) status = write_png(options, config, &viewed, path, error);
+    if (status == STATUS_OK && path) status = write_png(options, config, talk, &viewed, path, error);
     image_clear(&viewed.image);
     return status;
 }

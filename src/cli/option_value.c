@@ -38,6 +38,18 @@ static Status read_count(const OptionRow *row, const char *spelled, const char *
     return STATUS_OK;
 }
 
+/* Says which option there is for "--exposure auto"; false: none. */
+static bool automatic_of(const OptionRow *row, Error *error)
+{
+    for (int key = 0; key < OPTION_COUNT; key++) {
+        const char *name = option_row((OptionKey)key)->name;
+        if (!name || strncmp(name, "auto-", 5) != 0 || strcmp(name + 5, row->name) != 0) continue;
+        (void)fail(error, STATUS_USAGE, "option '--%s' is a number; write: --%s on", row->name, name);
+        return true;
+    }
+    return false;
+}
+
 static Status read_number(const OptionRow *row, const char *spelled, const char *text, OptionValue *value, Error *error)
 {
     size_t n = num_parse(text, strlen(text), &value->number);
@@ -45,6 +57,7 @@ static Status read_number(const OptionRow *row, const char *spelled, const char 
         value->number /= 100;
         n++;
     }
+    if (strncmp(text, "auto", 4) == 0 && automatic_of(row, error)) return STATUS_USAGE;
     if (n == 0 || text[n])
         return fail(error, STATUS_USAGE, "option '%s': '%s' is not a number%s", spelled, text,
                     row->kind == KIND_FRACTION ? ", such as 0.5 or 50%" : "");

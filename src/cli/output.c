@@ -11,6 +11,7 @@
 
 #include "base/file.h"
 #include "base/file_reads.h"
+#include "render/brightness.h"
 
 enum { FEWEST_DIGITS = 4, LONGEST_NUMBER = 64 };
 
@@ -202,13 +203,31 @@ bool outputs_exist(const OutputList *list)
 ColorLook output_look(const Options *options, const SceneFilm *film)
 {
     double stops = film ? film->exposure : 0;
-    bool alpha = film && film->alpha;
+    bool automatic = film && film->auto_exposure, alpha = film && film->alpha;
     return (ColorLook){
         .display = option_text(options, OPTION_DISPLAY, NULL),
         .view = option_text(options, OPTION_VIEW, NULL),
         .stops = option_given(options, OPTION_EXPOSURE) ? options->values[OPTION_EXPOSURE].number : stops,
+        .automatic =
+            option_given(options, OPTION_AUTO_EXPOSURE) ? option_is(options, OPTION_AUTO_EXPOSURE, "on") : automatic,
         .alpha = option_given(options, OPTION_ALPHA) ? option_is(options, OPTION_ALPHA, "on") : alpha,
     };
+}
+
+ColorLook output_look_for(const Image *image, const ColorLook *look)
+{
+    ColorLook found = *look;
+    if (!look->automatic) return found;
+    Brightness brightness = brightness_find(image, 0);
+    found.stops += brightness_stops(&brightness);
+    found.automatic = false;
+    return found;
+}
+
+void output_say_exposure(const Talk *talk, const Image *image, const ColorLook *look)
+{
+    if (look->automatic)
+        talk_remark(talk, "the automatic exposure is the same as: --exposure %g", output_look_for(image, look).stops);
 }
 
 /* As PNG files have it: alpha from 0 to 1, and colours not multiplied by it. Where chance found too much of what is behind panes,
@@ -236,7 +255,8 @@ Status image_for_display(const Image *image, const ColorConfig *color, const Col
         for (uint32_t c = 0; c < n_shown; c++) pixel[c] = image->pixels[i * image->n_channels + (size_t)channels[c]];
         if (n_shown == 4) unassociate(pixel);
     }
-    Status status = color_view(color, look, shown, error);
+    ColorLook found = output_look_for(image, look);
+    Status status = color_view(color, &found, shown, error);
     if (status != STATUS_OK) image_clear(shown);
     return status;
 }

@@ -56,8 +56,13 @@ typedef struct OutputClaim {
 ATTR_NODISCARD Status output_check_claims(const OutputClaim *claims, size_t n, Error *error);
 /* As outputs_probe, for one path, also of other files than pictures. STATUS_USAGE for a file that was read. */
 ATTR_NODISCARD Status output_probe(const char *path, Error *error);
-/* What --display, --view, --exposure and --alpha say; film: where the last two say nothing, NULL: there is none. */
+/* What --display, --view, --exposure, --auto-exposure and --alpha say; film: where the last three say nothing, NULL: there is
+ * none. */
 ColorLook output_look(const Options *options, const SceneFilm *film);
+/* The look of this picture: an automatic exposure in stops. */
+ColorLook output_look_for(const Image *image, const ColorLook *look);
+/* For those who want it again. Nothing where it is not automatic. */
+void output_say_exposure(const Talk *talk, const Image *image, const ColorLook *look);
 /* color is NULL when no output is a PNG file. */
 ATTR_NODISCARD Status output_write(const Output *output, const Image *image, const ExrOptions *exr,
                                    const ColorConfig *color, const ColorLook *look, Error *error);

@@ -28,10 +28,10 @@ static Status print_shown(const RenderRun *run, const float *values, Buf *out, E
     static const char *const names[] = {"R", "G", "B"};
     Image pixel;
     int rgb[3];
-    if (!image_rgb(&run->image, rgb)) return STATUS_OK;
+    ColorLook look = render_look(run);
+    if (!image_rgb(&run->image, rgb) || look.automatic) return STATUS_OK; /* the whole picture would say by how much */
     TRY(image_new(1, 1, names, 3, &pixel, error));
     for (int c = 0; c < 3; c++) pixel.pixels[c] = values[rgb[c]];
-    ColorLook look = render_look(run);
     Status status = color_view(run->input.color.config, &look, &pixel, error);
     if (status == STATUS_OK) {
         buf_add(out, "display #");

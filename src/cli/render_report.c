@@ -9,7 +9,7 @@
 #include "base/file.h"
 #include "cli/render_run.h"
 #include "cli/viewpoint.h"
-#include "optics/color.h"
+#include "render/brightness.h"
 
 static double per_million(uint64_t n, uint64_t of)
 {
@@ -18,48 +18,10 @@ static double per_million(uint64_t n, uint64_t of)
 
 /* ---- how bright the picture is ---- */
 
-/* A luminance of 1 is where the upper half of the bands begins. */
-enum { BANDS_OF_STOP = 4, STOPS = 64, BANDS = 2 * STOPS * BANDS_OF_STOP };
-
-/* How often which luminance occurs, in bands of a quarter of a stop. */
-typedef struct Brightness {
-    size_t n, n_of[BANDS];
-    double mean;
-} Brightness;
-
-static void note_luminance(Brightness *brightness, double luminance)
+static ColorLook look_of(const RenderRun *run)
 {
-    double band = luminance > 0 ? floor(BANDS_OF_STOP * (log2(luminance) + STOPS)) : 0;
-    brightness->n_of[(size_t)fmin(fmax(band, 0), BANDS - 1)]++;
-    brightness->mean += (luminance - brightness->mean) / (double)++brightness->n;
-}
-
-/* As it is shown, of the pixels that were rendered and in which something is. */
-static Brightness find_brightness(const RenderRun *run)
-{
-    const Image *image = &run->image;
-    Brightness brightness = {0};
-    double factor = exp2(render_look(run).stops);
-    int red = image_channel(image, "R"), green = image_channel(image, "G"), blue = image_channel(image, "B"),
-        alpha = image_channel(image, "A");
-    if (red < 0 || green < 0 || blue < 0) return brightness;
-    for (size_t i = 0; i < (size_t)image->width * image->height; i++) {
-        const float *pixel = &image->pixels[i * image->n_channels];
-        const float rgb[3] = {pixel[red], pixel[green], pixel[blue]};
-        float luminance = color_luminance(rgb);
-        if (isfinite(luminance) && !(alpha >= 0 && pixel[alpha] == 0))
-            note_luminance(&brightness, factor * (double)luminance);
-    }
-    return brightness;
-}
-
-/* Where the band of luminance begins that holds the pixel which has this part of all below it. */
-static double band_at(const Brightness *brightness, double part)
-{
-    size_t below = 0;
-    int band = 0;
-    while (band + 1 < BANDS && (double)(below += brightness->n_of[band]) <= part * (double)brightness->n) band++;
-    return exp2((double)band / BANDS_OF_STOP - STOPS);
+    ColorLook look = render_look(run);
+    return output_look_for(&run->image, &look);
 }
 
 /* Something shows the picture as a display does: an EXR file is for those who choose an exposure. */
@@ -83,7 +45,7 @@ static const char *file_of(const RenderRun *run, bool png)
 static void remark_exposure(const RenderRun *run, const char *what, int stops)
 {
     const char *exr = file_of(run, false), *png = file_of(run, true), *more = stops > 0 ? "more" : "less";
-    double factor = exp2(abs(stops)), exposure = render_look(run).stops + stops;
+    double factor = exp2(abs(stops)), exposure = look_of(run).stops + stops;
     if (exr)
         talk_remark(run->talk, "%s: give it %.3g times %s light, or: meniscus view %s -o %s --exposure %g", what,
                     factor, more, exr, png ? png : "FILE.png", exposure);
@@ -124,7 +86,7 @@ static void remark_unit(const RenderRun *run, bool lost)
 static int clipped_stops(const Brightness *brightness, const char **part)
 {
     enum { HALF = 1, THIRD = 2 };
-    int half = ilogb(band_at(brightness, 0.5)), third = ilogb(band_at(brightness, 2.0 / 3));
+    int half = ilogb(brightness_at(brightness, 0.5)), third = ilogb(brightness_at(brightness, 2.0 / 3));
     *part = half >= HALF ? "half" : "a third";
     return half >= HALF ? half : third >= THIRD ? third : 0;
 }
@@ -134,7 +96,7 @@ static int clipped_stops(const Brightness *brightness, const char **part)
 static bool is_lost(const Brightness *brightness, double nearly_all)
 {
     const double first_step = 0.5 / 255 / 12.92;
-    return band_at(brightness, nearly_all) < first_step || band_at(brightness, 1 - nearly_all) >= 1;
+    return brightness_at(brightness, nearly_all) < first_step || brightness_at(brightness, 1 - nearly_all) >= 1;
 }
 
 /* The commonest reason of white is a lamp of so many watts, as in a room, above a table of centimetres; of black one of an
@@ -145,13 +107,13 @@ static void remark_brightness(const RenderRun *run)
     const double black = 1.0 / 64 /* 6 of 255 on a display */, dark = 1.0 / 128, nearly_all = 0.998, grey = 0.18;
     enum { LEAST_PIXELS = 64 };
     if (run->n_rendered) return;
-    Brightness brightness = find_brightness(run);
+    Brightness brightness = brightness_find(&run->image, look_of(run).stops);
     if (brightness.n < LEAST_PIXELS || !(brightness.mean > 0)) return;
     char what[200];
     const char *part;
-    int clipped = clipped_stops(&brightness, &part), tenth = ilogb(band_at(&brightness, 0.9));
+    int clipped = clipped_stops(&brightness, &part), tenth = ilogb(brightness_at(&brightness, 0.9));
     bool is_dark = run->stats.samples && !scene_catches(run->input.scene) && brightness.mean < dark &&
-                   band_at(&brightness, nearly_all) < black;
+                   brightness_at(&brightness, nearly_all) < black;
     bool lost = is_lost(&brightness, nearly_all), speaks = lost || is_displayed(run);
     if (speaks && clipped > 0) {
         /* where a tenth is brighter by far, what is lit is that, and the rest its surroundings */
@@ -281,6 +243,7 @@ static void summarize_as_json(const RenderRun *run, double seconds)
     json_add_number(&json, "noise", run->noise < 0 ? (double)NAN : run->noise);
     json_add_truth(&json, "stopped", run->stats.stopped);
     json_add_number(&json, "lightSpread", run->stats.spread_light);
+    json_add_number(&json, "exposure", look_of(run).stops);
     json_add_whole(&json, "nestingFaults", run->stats.nesting_faults);
     json_add_number(&json, "seconds", seconds);
     talk_event_end(&json);
@@ -339,6 +302,7 @@ void render_summarize(const RenderRun *run)
         buf_add(&line, " % of the light spread");
     }
     if (run->settings.denoises) buf_add(&line, ", denoised");
+    if (render_look(run).automatic && is_displayed(run)) buf_format(&line, ", exposure %g", look_of(run).stops);
     buf_format(&line, ", %llu nesting fault%s) in %s\n", (unsigned long long)stats->nesting_faults,
                plural(stats->nesting_faults), time);
     bool stays = stats->stopped || run->checkpoint.stays;

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "base/angle.h"
+#include "base/luminance.h"
 
 enum { MAX_RADIUS = 16, MAX_TAPS = 2 * MAX_RADIUS + 1 };
 
@@ -296,7 +297,7 @@ static Status compare_flip(const Image *a, const int rgb_a[3], const Image *b, c
 static double luminance_at(const Image *image, const int rgb[3], size_t i)
 {
     const float *p = image->pixels + i * image->n_channels;
-    return 0.2126 * (double)p[rgb[0]] + 0.7152 * (double)p[rgb[1]] + 0.0722 * (double)p[rgb[2]];
+    return luminance_of((double)p[rgb[0]], (double)p[rgb[1]], (double)p[rgb[2]]);
 }
 
 static void compare_sums(const Image *a, const int rgb_a[3], const Image *b, const int rgb_b[3], Comparison *comparison)

@@ -23,7 +23,8 @@ const char *color_config_default_view(const ColorConfig *config, const char *dis
 typedef struct ColorLook {
     const char *display, *view; /* NULL: the defaults */
     double stops;               /* by so many it is brightened before; each is twice the light */
-    bool alpha;                 /* a picture for a display keeps its alpha, and is not over black */
+    bool automatic; /* these are beside what the picture asks for: output_look_for() of cli/output.h puts it in */
+    bool alpha;     /* a picture for a display keeps its alpha, and is not over black */
 } ColorLook;
 
 /* Applies that to R, G, B (and keeps A) of a scene-linear picture of the

@@ -452,6 +452,19 @@ static bool report_pattern(Resolver *resolver, const NodeType *type, const PropT
     return true;
 }
 
+/* "exposure = auto" of a node that has an auto_exposure */
+static bool report_automatic(Resolver *resolver, const NodeType *type, const PropType *prop, Expr *value)
+{
+    const char *word = is_unknown_word(value) ? value->as.name.symbol->text : "";
+    if (!prop || (strcmp(word, "auto") != 0 && strcmp(word, "automatic") != 0)) return false;
+    const PropType *automatic = schema_prop(type, arena_format(resolver->arena, "auto_%s", prop->name));
+    if (!automatic) return false;
+    Diagnostic *report = diag_report(resolver->diag, D_UNKNOWN_NAME, value->span, "unknown name '%s'", word);
+    diag_hint(resolver->diag, report, "write: %s = true", automatic->name);
+    value->kind = EXPR_POISON;
+    return true;
+}
+
 static void resolve_prop(Resolver *resolver, Stmt *stmt)
 {
     Expr *value = stmt->as.prop.value;
@@ -473,7 +486,8 @@ static void resolve_prop(Resolver *resolver, Stmt *stmt)
         resolver->for_texture = prop->flags & PROP_TEXTURE;
         resolve_function_prop(resolver, prop, value);
         resolver->for_texture = false;
-    } else if (resolver->context == CONTEXT_NODE && report_pattern(resolver, type, prop, value)) {
+    } else if (resolver->context == CONTEXT_NODE &&
+               (report_pattern(resolver, type, prop, value) || report_automatic(resolver, type, prop, value))) {
         /* reported */
     } else if (misplaced && is_unknown_word(value)) {
         value->kind = EXPR_POISON; /* "pattern = checker", where there is no such property: most likely a word of it */

@@ -53,12 +53,6 @@ typedef struct ReflectedColor {
 } ReflectedColor;
 void reflected_color_init(ReflectedColor *color);
 
-/* luminance of linear Rec.709 */
-static inline float color_luminance(const float rgb[3])
-{
-    return 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2];
-}
-
 /* Mean of the spectrum under the luminous efficiency y: 1 for white_at and for the constant 1. */
 double spectrum_luminance(const Spectrum *spectrum);
 

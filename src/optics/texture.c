@@ -21,6 +21,7 @@
 
 #include "base/angle.h"
 #include "base/attr.h"
+#include "base/luminance.h"
 #include "optics/components.h"
 #include "optics/observer.h"
 #include "optics/sampling.h"

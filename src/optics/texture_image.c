@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "base/hash.h"
+#include "base/luminance.h"
 #include "optics/color.h"
 
 enum { MOST_LEVELS = 17 };

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "base/lanes.h"
+#include "base/luminance.h"
 #include "render/around.h"
 
 /* Measured on the examples, by the error against pictures of many samples (bench denoise), and by eye. */
@@ -199,11 +200,6 @@ static void fill_color_noise(const Planes *planes, const Film *film, const uint3
         for (int k = 0; k < 3; k++) planes->maps[k][i] = (planes->maps[k][i] + least) / (luminance[i] + least);
 }
 
-static float luminance_of(const float rgb[3])
-{
-    return 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2];
-}
-
 /* By how much a pixel differs from what those next to it foretell, for an even slope: R, G, B and luminance. */
 static void differ_beside(const Image *image, const uint32_t area[4], uint32_t x, uint32_t y, float difference[4])
 {
@@ -212,7 +208,7 @@ static void differ_beside(const Image *image, const uint32_t area[4], uint32_t x
     const float *here = image_at(image, x, y), *beside = image_at(image, right, y), *under = image_at(image, x, below),
                 *across = image_at(image, right, below);
     for (int k = 0; k < 3; k++) difference[k] = here[k] - beside[k] - under[k] + across[k];
-    difference[3] = luminance_of(difference);
+    difference[3] = color_luminance(difference);
 }
 
 /* Colours may make up for each other in the luminance of all samples, and not of halves of them: what neighbours differ by shows
@@ -419,7 +415,7 @@ static float lost_at(const Planes *planes, uint32_t x, uint32_t y, const float *
 {
     size_t at = y * planes->stride + x;
     for (int k = 0; k < 3; k++) lost[k] = planes->plane[PLANE_RED + k][at] - color[k];
-    return luminance_of(lost);
+    return color_luminance(lost);
 }
 
 /* Of what is lost (or gained) around a pixel it gets (gives) back its share, in proportion to what it has lost (gained) itself. */

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/luminance.h"
 #include "render/pixel_noise.h"
 #include "render/spread.h"
 
@@ -74,11 +75,6 @@ static bool hold_sum(int64_t *sum)
     return true;
 }
 
-static double luminance(const double rgb[3])
-{
-    return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
-}
-
 /* Before sample number 2^k. */
 static void mark(FilmPixel *pixel)
 {
@@ -96,7 +92,7 @@ bool film_add(Film *film, uint32_t x, uint32_t y, const float rgb[3], float alph
         value[i] = held((double)rgb[i], FILM_LARGEST, &saturated);
         pixel->rgb[i] += llrint(value[i] / FILM_UNIT);
     }
-    double y_value = luminance(value);
+    double y_value = luminance_of(value[0], value[1], value[2]);
     uint32_t number = film->first_sample + pixel->n;
     if ((number & (number - 1)) == 0 && number) mark(pixel);
     pixel->luminance += llrint(y_value / FILM_UNIT);
@@ -182,7 +178,7 @@ void film_squared_errors(const Film *film, uint32_t x, uint32_t y, float squared
         double first = (double)pixel->first_rgb[i], rest = (double)pixel->rgb[i] - first;
         difference[i] = halves ? (first / n_first - rest / n_rest) * FILM_UNIT : 0;
     }
-    difference[3] = luminance(difference);
+    difference[3] = luminance_of(difference[0], difference[1], difference[2]);
     for (int i = 0; i < 4; i++) squared[i] = (float)(difference[i] * difference[i] * n_first * n_rest / fmax(n * n, 1));
 }
 

@@ -5,6 +5,7 @@
 
 #include <math.h>
 
+#include "base/luminance.h"
 #include "render/spread.h"
 #include "render/thing_boxes.h"
 
@@ -207,7 +208,7 @@ static inline double nearness_of_image(const Way *way, double dx, double dy)
 
 static inline double spread_squared_luminance(const double rgb[3])
 {
-    double luminance = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+    double luminance = luminance_of(rgb[0], rgb[1], rgb[2]);
     return luminance * luminance;
 }
 

@@ -215,9 +215,10 @@ typedef struct SceneFilm {
     const char *const *outputs;
     uint32_t n_outputs;
     AovSet aovs;
-    double exposure; /* by so many stops pictures for a display are brighter */
-    bool alpha;      /* such pictures keep their alpha, and are not over black */
-    bool box;        /* a pixel is the mean over its own area; else a tent, which reaches half over its neighbours */
+    double exposure;    /* by so many stops pictures for a display are brighter */
+    bool auto_exposure; /* these are beside what the picture asks for */
+    bool alpha;         /* such pictures keep their alpha, and are not over black */
+    bool box;           /* a pixel is the mean over its own area; else a tent, which reaches half over its neighbours */
 } SceneFilm;
 
 /* Whether light from small lights through clear objects is looked for before rendering. */

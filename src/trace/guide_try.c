@@ -17,6 +17,7 @@
 #include <stdlib.h>
 
 #include "base/array.h"
+#include "base/luminance.h"
 #include "optics/color.h"
 #include "optics/sampling.h"
 #include "trace/guide_parts.h"

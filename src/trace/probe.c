@@ -18,6 +18,7 @@
 
 #include <stdlib.h>
 
+#include "base/luminance.h"
 #include "optics/color.h"
 #include "optics/sampling.h"
 #include "trace/event.h"

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "base/luminance.h"
 #include "measure.h"
 
 enum { WIDTH = 64, HEIGHT = 48, SAMPLES = 32, LONGER = 24, SEEDS = 5 };

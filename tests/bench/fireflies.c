@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/luminance.h"
 #include "measure.h"
 
 enum { WIDTH = 160, WIDEST = 4096, RADIUS = 2, AROUND = (2 * RADIUS + 1) * (2 * RADIUS + 1) };

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "base/luminance.h"
 #include "measure.h"
 
 enum { WIDTH = 48, HEIGHT = 36, PIXELS = WIDTH * HEIGHT, SEEDS = 4, REFERENCE = 1024, MOST = 512, FIRST_SEED = 100 };

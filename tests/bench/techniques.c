@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/luminance.h"
 #include "measure.h"
 
 enum { WIDTH = 96, HEIGHT = 72, PIXELS = WIDTH * HEIGHT, SEEDS = 4, BORDER = 6 };

@@ -465,6 +465,36 @@ run render small.mns -o small.png
 says_not err "above white"
 end
 
+begin "--auto-exposure: PNG files are as bright as the picture asks for, and by which exposure is said; --exposure comes on top"
+small_scene
+sed -e 's/environment { color = 1 }/environment { color = 1000 }/' small.mns > white.mns
+run render small.mns -o plain.exr
+run render white.mns -o white.exr -o white.png --auto-exposure on
+exits 0
+says_not err "above white"
+stops=$(sed -n 's/.*, exposure \(-[0-9.]*\), .*/\1/p' err)
+run view white.exr -o by-number.png --exposure "$stops"
+exits 0
+cmp -s white.png by-number.png || flunk "--exposure $stops is another picture"
+run view white.exr -o viewed.png --auto-exposure on
+says err "remark: the automatic exposure is the same as: --exposure $stops"
+cmp -s white.png viewed.png || flunk "view chooses another exposure"
+run render white.mns -o scene.png --set film.auto_exposure=true
+cmp -s white.png scene.png || flunk "the scene's auto_exposure is another one"
+run render white.mns -o off.png --set film.auto_exposure=true --auto-exposure off
+says err "above white"
+run view white.exr -o brighter.png --auto-exposure on --exposure 1
+says err "--exposure $(awk "BEGIN { print $stops + 1 }")"
+run render white.mns -o white.png --auto-exposure on --log-format json
+says err "\"exposure\": $stops"
+run render white.mns --pixel 5,5 --auto-exposure on
+exits 0
+says_not out "display"
+run view white.exr -o none.png --exposure auto
+exits 2
+says err "option '--exposure' is a number; write: --auto-exposure on"
+end
+
 begin "a part of an orthographic picture that is inside of an opaque object: a remark"
 cat > cut.mns <<'SCENE'
 meniscus 1.0 unit cm

@@ -1,5 +1,6 @@
 /* truth.c - see truth.h.
  * SPDX-License-Identifier: Apache-2.0 */
+#include "base/luminance.h"
 #include "truth.h"
 
 #include "scene/library.h"

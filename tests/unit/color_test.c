@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "base/hash.h"
+#include "base/luminance.h"
 #include "exact_color.h"
 #include "near.h"
 #include "optics/spectral_lines.h"

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "test.h"
 
+#include "base/luminance.h"
 #include "exact_color.h"
 #include "near.h"
 
@@ -41,7 +42,7 @@ static void colour_of(const Environment *sky, Vec3f direction, double rgb[3])
 
 static double luminance(const double rgb[3])
 {
-    return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+    return luminance_of(rgb[0], rgb[1], rgb[2]);
 }
 
 static void begin(Day *day, double elevation, double turbidity)

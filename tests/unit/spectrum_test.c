@@ -4,6 +4,7 @@
 
 #include <math.h>
 
+#include "base/luminance.h"
 #include "exact_color.h"
 #include "optics/color.h"
 #include "optics/spectrum.h"
