@@ -10,7 +10,6 @@
 enum { WAYS = 987, WAY_STRIDE = 610, FEW_WAYS = 377, FEW_STRIDE = 233, FINE = 8, ROUNDS = 16 };
 /* Knots for what is under covers, at most. */
 enum { AZIMUTHS = 13, COSINES = 33, KNOTS = AZIMUTHS * COSINES };
-static const float middle_nm = 550;
 
 static DirectionEdge edge_of(const BsdfFacets *facets, float eta)
 {
@@ -267,9 +266,9 @@ static Parts parts_of(const BsdfSpec *spec, float eta_i, float eta_t)
     parts.base = facets_make(alpha_x, alpha_y);
     bsdf_alphas(spec->coat_roughness, spec->coat_roughness_anisotropy, &alpha_x, &alpha_y);
     parts.coat = facets_make(alpha_x, alpha_y);
-    float skin = spectrum_at_one(&spec->specular_ior, middle_nm) / eta_i;
+    float skin = spectrum_at_one(&spec->specular_ior, BALANCE_NM) / eta_i;
     parts.skin_eta = lanes_get(bsdf_weakened(lanes_all(skin), spec->specular_weight), 0);
-    parts.coat_eta = spectrum_at_one(&spec->coat_ior, middle_nm) / eta_i;
+    parts.coat_eta = spectrum_at_one(&spec->coat_ior, BALANCE_NM) / eta_i;
     parts.metal = metal > 0 && coat < 1;
     parts.plastic = opaque > 0 && coat < 1 && spec->specular_weight > 0;
     parts.coated_metal = (metal > 0 || (opaque > 0 && spec->specular_weight > 0)) && coat > 0;
@@ -349,7 +348,7 @@ static void find_all_factors(const BsdfSpec *spec, const Parts *parts, float eta
     BsdfSpec white = white_cover(spec);
     const BsdfKept kept = {.balance = known, .inner = -1};
     Bsdf bsdf;
-    bsdf_from_spec(&white, lanes_all(middle_nm), lanes_all(eta_i), lanes_all(eta_i), &kept, &bsdf);
+    bsdf_from_spec(&white, lanes_all(BALANCE_NM), lanes_all(eta_i), lanes_all(eta_i), &kept, &bsdf);
     work->bsdf = &bsdf;
     const DirectionGrid *found[BSDF_LOBES];
     for (uint32_t i = 0; i < bsdf.n_lobes; i++) {

@@ -54,11 +54,9 @@ struct Balances {
     _Atomic(Node *) buckets[BUCKETS];
 };
 
-static const float middle_nm = 550;
-
 static float index_of(const Spectrum *ior)
 {
-    return spectrum_at_one(ior, middle_nm);
+    return spectrum_at_one(ior, BALANCE_NM);
 }
 
 static bool matters(const SurfaceTexture *texture)
@@ -211,7 +209,7 @@ static void keep_layers(Balances *balances, const BalanceKey *key, const BsdfSpe
     if (need->skin && bsdf_skin_look(spec, eta_i, &look)) kept->skin = find_layer(balances, &look);
     if (!need->coat || !bsdf_coat_look(spec, eta_i, &look)) return;
     kept->coat = find_layer(balances, &look);
-    if (need->skin) kept->inner = bsdf_inner_reflectance(spec, lanes_all(eta_i), lanes_all(middle_nm));
+    if (need->skin) kept->inner = bsdf_inner_reflectance(spec, lanes_all(eta_i), lanes_all(BALANCE_NM));
 }
 
 /* NULL: there is no memory for it. With the lock. */

@@ -161,6 +161,7 @@ static Status try_out(GuideSearch *search, uint64_t one_in, Error *error)
                               .photons = search->landed,
                               .followed = search->facts.followed};
     TRY(guide_try(search->guide, &trial, search->pool, &search->facts.worth, error));
+    search->guide->bright = search->facts.worth.bright; /* as when it is read from a checkpoint */
     search->facts.tried++;
     return STATUS_OK;
 }

@@ -14,11 +14,12 @@ static const Affine *light_place(const World *world, const SceneLight *light, do
 }
 
 /* 1 - cos of the half angle under which a sphere is seen whose centre is `to` away; precise for far and small ones. 2
- * from inside. */
+ * from inside, and from the sphere itself: that is outside of it by rounding alone, and would light itself from where it is. */
 static double sphere_cone(double radius, Vec3 to)
 {
+    const double on_sphere = 1e-9;
     double sine2 = radius * radius / vec3_dot(to, to);
-    return sine2 < 1 ? sine2 / (1 + sqrt(1 - sine2)) : 2;
+    return sine2 < 1 - on_sphere ? sine2 / (1 + sqrt(1 - sine2)) : 2;
 }
 
 /* Samples are written where they are wanted: one that is handed up from function to function is copied each time, right after it

@@ -125,8 +125,27 @@ static void textures(void **state)
     }
 }
 
+/* A ball of leaf that shines, alone: within, all of the light comes of the ball itself. What its outer side shows is 1, and of the
+ * light within, 1 / (1 - .4), the part .4. A look from a place of the ball to the ball counted that once more, by 9 %. */
+static void thin_balls_light_themselves_once(void **state)
+{
+    (void)state;
+    static const char *const places[] = {"<0, 0, 0>", "<1300, 0, -700>"};
+    for (size_t i = 0; i < COUNT_OF(places); i++) {
+        char text[600];
+        snprintf(text, sizeof text,
+                 "meniscus 1.0 unit cm  let place = %s  sphere { center = place  radius = 1  surface = surface { thin "
+                 "= true  "
+                 "albedo = .8  translucency = .5  emission = 1 } }\n"
+                 "camera { from = place + <0, 0, 6>  to = place  fov = 12deg }\n",
+                 places[i]);
+        truth_expect(places[i], 1 / (1 - 0.4), truth_measure(text, NULL, 1024, false), 4, 0.002);
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(combinations), cmocka_unit_test(textures)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(combinations), cmocka_unit_test(textures),
+                                       cmocka_unit_test(thin_balls_light_themselves_once)};
     return cmocka_run_group_tests_name("surfaces that shine", tests, NULL, NULL);
 }
