@@ -9,6 +9,8 @@
 static const char scene_text[] =
     FIXTURE_MEDIA "sphere { center = <0, 12, 0>  radius = 8  interior = glass }\n"
                   "box { interior = glass  from = <-30, 30, -30>  to = <30, 36, 30> }\n"
+                  "medium haze { mixes = true  scattering = .004 / 1mm }\n"
+                  "box { interior = haze  from = <-30, -1, -30>  to = <30, 28, 30> }\n"
                   "ground { surface = surface { albedo = .5 } } camera { from = <0, 40, 60>  to = <0, 0, 0> }\n"
                   "light { shape = \"sphere\"  from = <20, 90, 0>  radius = .5  radiance = 9000 }\n";
 
@@ -106,6 +108,7 @@ static void pieces(void **state)
     assert_int_equal(a->n_fours, b->n_fours);
     assert_int_equal(a->n_lobes, b->n_lobes);
     assert_true(a->threshold == b->threshold);
+    assert_true(a->bright > 0 && a->bright == b->bright);
     assert_memory_equal(a->nodes, b->nodes, a->n_nodes * sizeof *a->nodes);
     /* looks are left out by it before it is known of which cell they are */
     for (uint32_t i = 0; i < a->n_cells; i++)
