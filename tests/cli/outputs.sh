@@ -251,6 +251,21 @@ exits 0
 matches err '^wrote a\.exr \(3000 x 2000, one sample in [0-9.]+ % of the pixels, '
 end
 
+begin "a medium without an end that takes no light: it is warned of, and the render ends"
+cat > endless.mns <<'SCENE'
+meniscus 1.0 unit cm
+world { medium = medium { ior = 1  scattering = .2 } }
+sphere { radius = 1  surface = surface { albedo = .8  emission = 1 } }
+camera { from = <0, 2, 8>  to = <0, 0, 0>  fov = 30 }
+film { size = <6, 4> }
+SCENE
+timeout -s KILL 120 "$program" render endless.mns -o endless.exr -s 1 > out 2> err
+status=$?
+exits 0
+says err "[endless-scattering]"
+says err "wrote endless.exr"
+end
+
 begin "noise ends a render"
 long_scene
 run render long.mns -o a.exr -n 50% --progress none
