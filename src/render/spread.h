@@ -13,7 +13,8 @@
  * - Where comparable samples lie closer together than farther away, and are so bright that a disc over both would be seen, as in
  *   the spot of a lens or a rainbow on a dark wall, they go to what is found among them, or stay.
  * - Where comparable samples of near pixels differ in number beyond chance, those with more of them get more: lines and points
- *   stay as sharp as they were found.
+ *   stay as sharp as they were found. Far away, over a large thing, places get less around which fewer are than chance would have,
+ *   and nothing where no light at all comes to, as behind a wall in haze (spread_density.h).
  * - It goes to pixels that show the same thing first, by how much of them does; not over the thing's edge. Parts of an
  *   object with other surfaces are things of their own, right behind its clear face, too; and so are a medium that
  *   scatters behind clear things, and what such a sample shows that found its light on the way. Pixels get

@@ -8,6 +8,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include <stdlib.h>
 
+#include "render/spread_density.h"
 #include "render/spread_maps.h"
 
 enum { SIDE = 4, CHUNK = 16 /* samples that a thread takes at once */, BAND = 4 /* rows of cells */, LEVELS = 200 };
@@ -32,6 +33,7 @@ typedef struct Cells {
     /* Those samples that the thing's pixels keep, the brightest first: of cell i from first[i] up to but without first[i + 1] */
     size_t *first;
     float *lights;
+    Densities densities; /* of these samples */
     Gift *gifts;
 } Cells;
 
@@ -257,15 +259,42 @@ static Columns rows_of(const Cells *cells, const Lone *lone, const Way *way)
     return points_within(lone->y, way->radius + 0.5, cells->box.y0, cells->height);
 }
 
+/* What is comparable to a sample, and how close that lies in its disc. */
+typedef struct Closeness {
+    int kind;
+    double of_disc, any_of_disc; /* the latter: of all that brought light */
+} Closeness;
+
+static Closeness closeness_of(const Cells *cells, const Lone *lone, const Way *way)
+{
+    double reach = way->radius + 0.5;
+    Columns rows = points_within(lone->y, reach, cells->box.y0, cells->height),
+            columns = points_within(lone->x, reach, cells->box.x0, cells->width);
+    const CellSquare square = {columns.x0, rows.x0, columns.x1, rows.x1};
+    int kind = density_kind(lone->least);
+    return (Closeness){kind, density_within(&cells->densities, kind, square),
+                       density_within(&cells->densities, DENSITY_ANY, square)};
+}
+
+/* The part of what a cell would get by its light that it gets by how close samples lie there. */
+static double part_by_closeness(const Cells *cells, const Closeness *close, size_t cell)
+{
+    return density_part(&cells->densities, close->kind, cell, close->of_disc) *
+           density_part(&cells->densities, DENSITY_ANY, cell, close->any_of_disc);
+}
+
 static double weights_of_disc(const Cells *cells, const Lone *lone, const Way *way)
 {
     Columns rows = rows_of(cells, lone, way);
+    const Closeness close = closeness_of(cells, lone, way);
     double weights = 0;
     for (uint32_t row = rows.x0; row < rows.x1; row++) {
         Columns columns = columns_of(cells, lone, way, row);
         double dy = point_y(cells, row) - lone->y, dx = point_x(cells, columns.x0) - lone->x;
-        for (uint32_t i = columns.x0; i < columns.x1; i++, dx += SIDE)
-            weights += weight_of_cell(cells, lone, (size_t)row * cells->width + i) * nearness_of_point(way, dx, dy);
+        size_t cell = (size_t)row * cells->width + columns.x0;
+        for (uint32_t i = columns.x0; i < columns.x1; i++, cell++, dx += SIDE)
+            weights += weight_of_cell(cells, lone, cell) * nearness_of_point(way, dx, dy) *
+                       part_by_closeness(cells, &close, cell);
     }
     return weights;
 }
@@ -302,7 +331,7 @@ static void find_way(const Cells *cells, const FarSample *sample)
     Way *way = way_of(cells->maps, sample);
     Lone lone = spread_lone_on_way(cells->maps, cells->maps->area[1] + sample->row, way);
     find_radius(cells, &lone, way);
-    if (way->far && way->radius > 0 && way->mirrored) way->weights = weights_of_disc(cells, &lone, way);
+    if (way->far && way->radius > 0) way->weights = weights_of_disc(cells, &lone, way);
 }
 
 static void find_ways_of_chunk(void *context, uint32_t index, unsigned worker)
@@ -315,14 +344,16 @@ static void find_ways_of_chunk(void *context, uint32_t index, unsigned worker)
 
 /* ---- what comes of them ---- */
 
-static void give_to_row(const Cells *cells, const Lone *lone, const Way *way, uint32_t row)
+static void give_to_row(const Cells *cells, const Lone *lone, const Way *way, const Closeness *close, uint32_t row)
 {
     Columns columns = columns_of(cells, lone, way, row);
     double dy = point_y(cells, row) - lone->y, dx = point_x(cells, columns.x0) - lone->x;
     double black = lone->black, rest = 1 - black, squared = spread_squared_luminance(lone->untinted);
-    Gift *gift = &cells->gifts[(size_t)row * cells->width + columns.x0];
-    for (uint32_t i = columns.x0; i < columns.x1; i++, gift++, dx += SIDE) {
-        double part = nearness_of_point(way, dx, dy) / way->weights, square = part * part * squared;
+    size_t cell = (size_t)row * cells->width + columns.x0;
+    Gift *gift = &cells->gifts[cell];
+    for (uint32_t i = columns.x0; i < columns.x1; i++, cell++, gift++, dx += SIDE) {
+        double part = nearness_of_point(way, dx, dy) / way->weights * part_by_closeness(cells, close, cell),
+               square = part * part * squared;
         for (int c = 0; c < 3; c++) {
             gift->even[c] += black * part * lone->untinted[c];
             gift->usual[c] += rest * part * lone->untinted[c];
@@ -346,8 +377,9 @@ static void give_to_band(void *context, uint32_t index, unsigned worker)
         if (!(way->part > 0) || !way->far) continue;
         Lone lone = spread_lone_on_way(maps, maps->area[1] + sample->row, way);
         Columns rows = rows_of(cells, &lone, way);
+        const Closeness close = closeness_of(cells, &lone, way);
         for (uint32_t row = rows.x0 > from ? rows.x0 : from; row < rows.x1 && row < to; row++)
-            give_to_row(cells, &lone, way, row);
+            give_to_row(cells, &lone, way, &close, row);
     }
 }
 
@@ -438,6 +470,7 @@ static void clear_cells(Cells *cells)
     free(cells->first);
     free(cells->lights);
     free(cells->gifts);
+    density_clear(&cells->densities);
     *cells = (Cells){0};
 }
 
@@ -454,6 +487,65 @@ static bool list_lights(Cells *cells)
     return true;
 }
 
+/* Of the thing's samples that a pixel keeps, alone or not. */
+static uint32_t count_any(const Cells *cells, uint32_t x, uint32_t y)
+{
+    const Looks *looks = &cells->maps->looks;
+    size_t pixel = place_in(cells->maps->area, x, y);
+    uint32_t thing = find_thing(looks, pixel, cells->thing), seen = looks->seen[pixel], n = 0;
+    for (int i = 0; thing < BRIGHT_THINGS && i < BRIGHT_KEPT && looks->lights[pixel][i] > 0; i++, seen >>= 2)
+        n += (seen & 3) == thing;
+    return n;
+}
+
+static uint32_t count_for_density(const void *context, size_t cell, float least)
+{
+    const Cells *cells = context;
+    if (least > 0) return count_brighter(cells, cell, least);
+    const ThingBox *box = &cells->box;
+    uint32_t x0 = box->x0 + (uint32_t)(cell % cells->width) * SIDE,
+             y0 = box->y0 + (uint32_t)(cell / cells->width) * SIDE, n = 0;
+    for (uint32_t y = y0; y < y0 + SIDE && y < box->y1; y++)
+        for (uint32_t x = x0; x < x0 + SIDE && x < box->x1; x++) n += count_any(cells, x, y);
+    return n;
+}
+
+static double shares_of_cell(const Cells *cells, uint32_t column, uint32_t row)
+{
+    const ThingBox *box = &cells->box;
+    uint32_t x0 = box->x0 + column * SIDE, y0 = box->y0 + row * SIDE;
+    double shares = 0;
+    for (uint32_t y = y0; y < y0 + SIDE && y < box->y1; y++)
+        for (uint32_t x = x0; x < x0 + SIDE && x < box->x1; x++)
+            shares += share_of(cells, place_in(cells->maps->area, x, y));
+    return shares;
+}
+
+static bool make_densities(Cells *cells)
+{
+    double *shares = malloc((size_t)cells->width * cells->height * sizeof *shares);
+    if (!shares) return false;
+    for (uint32_t row = 0; row < cells->height; row++)
+        for (uint32_t i = 0; i < cells->width; i++)
+            shares[(size_t)row * cells->width + i] = shares_of_cell(cells, i, row);
+    bool made = density_init(&cells->densities, cells->width, cells->height, shares);
+    free(shares);
+    return made;
+}
+
+/* Of all kinds of samples of the level. */
+static bool find_densities(Cells *cells)
+{
+    Pool *pool = cells->maps->pool;
+    if (!density_find(&cells->densities, DENSITY_ANY, count_for_density, cells, pool)) return false;
+    for (size_t i = 0; i < cells->n_samples; i++) {
+        const Way *way = way_of(cells->maps, &cells->samples[i]);
+        Lone lone = spread_lone_on_way(cells->maps, cells->maps->area[1] + cells->samples[i].row, way);
+        if (!density_find(&cells->densities, density_kind(lone.least), count_for_density, cells, pool)) return false;
+    }
+    return true;
+}
+
 /* What is needed to find ways, or to give. */
 static bool make_cells(Cells *cells, const Maps *maps, uint32_t thing, bool to_find)
 {
@@ -465,11 +557,12 @@ static bool make_cells(Cells *cells, const Maps *maps, uint32_t thing, bool to_f
                      .width = (box->x1 - box->x0 + SIDE - 1) / SIDE,
                      .height = (box->y1 - box->y0 + SIDE - 1) / SIDE};
     size_t n = (size_t)cells->width * cells->height;
+    if (!list_lights(cells) || !make_densities(cells)) return false;
     if (!to_find) return (cells->gifts = malloc(n * sizeof *cells->gifts)) != NULL;
     double **sums[] = {&cells->even, &cells->usual, &cells->light};
     bool ready = true;
     for (size_t k = 0; k < COUNT_OF(sums); k++) ready = (*sums[k] = malloc(n * sizeof(double))) != NULL && ready;
-    return ready && list_lights(cells);
+    return ready;
 }
 
 static void find_ways_of_level(Cells *cells)
@@ -502,6 +595,7 @@ static bool for_levels(const Maps *maps, const FarSamples *far, bool to_find, vo
         cells.scale = exp2(-sample->level / 2.0);
         cells.samples = sample;
         cells.n_samples = end - i;
+        good = good && find_densities(&cells);
         if (good) use(&cells);
     }
     clear_cells(&cells);

@@ -7,35 +7,17 @@
 #include "base/hash.h"
 #include "near.h"
 #include "render/render.h"
-#include "render/spread.h"
 #include "scene_fixture.h"
+#include "spread_films.h"
 
 enum { SIDE = 48, MIDDLE = SIDE / 2 };
 static const uint32_t whole[4] = {0, 0, SIDE, SIDE};
-
-typedef struct Films {
-    Film film;
-    BrightFilm bright;
-    Image kept, spread;
-    Spread way;
-} Films;
 
 static void begin(Films *films)
 {
     Error error;
     assert_int_equal(film_init(&films->film, SIDE, SIDE, &error), STATUS_OK);
     assert_int_equal(bright_film_init(&films->bright, false, SIDE, SIDE, &error), STATUS_OK);
-}
-
-static void add_reflected(Films *films, uint32_t x, uint32_t y, const float rgb[3], uint32_t thing, Reflected reflected)
-{
-    (void)film_add(&films->film, x, y, rgb, thing != BRIGHT_NOTHING);
-    bright_film_add(&films->bright, x, y, rgb, thing, &reflected);
-}
-
-static void add(Films *films, uint32_t x, uint32_t y, const float rgb[3], uint32_t thing)
-{
-    add_reflected(films, x, y, rgb, thing, (Reflected){.mean = -1});
 }
 
 static uint32_t left_and_right(uint32_t x)
@@ -52,34 +34,6 @@ static void fill(Films *films, uint32_t samples)
                 float grey = 0.1f + 0.1f * hash_to_unit_f(hash_combine(hash_combine(x, y), i));
                 add(films, x, y, (float[]){grey, grey, grey}, left_and_right(x));
             }
-}
-
-/* With three threads, and the same bits with one. */
-static void resolve(Films *films, const uint32_t area[4])
-{
-    Error error;
-    Pool *pool;
-    Spread alone;
-    size_t n = (size_t)(area[2] - area[0]) * (area[3] - area[1]);
-    assert_int_equal(film_resolve(&films->film, NULL, NULL, &films->kept, &error), STATUS_OK);
-    assert_int_equal(pool_new(3, &pool, &error), STATUS_OK);
-    assert_int_equal(spread_init(&films->way, &films->film, &films->bright, area, pool, &error), STATUS_OK);
-    pool_free(pool);
-    assert_int_equal(spread_init(&alone, &films->film, &films->bright, area, NULL, &error), STATUS_OK);
-    assert_memory_equal(alone.pixels, films->way.pixels, n * sizeof *alone.pixels);
-    assert_int_equal(alone.samples, films->way.samples);
-    assert_true(alone.light == films->way.light);
-    spread_clear(&alone);
-    assert_int_equal(film_resolve(&films->film, &films->way, NULL, &films->spread, &error), STATUS_OK);
-}
-
-static void end(Films *films)
-{
-    spread_clear(&films->way);
-    image_clear(&films->kept);
-    image_clear(&films->spread);
-    film_clear(&films->film);
-    bright_film_clear(&films->bright);
 }
 
 static float brightest(const Image *image)
@@ -494,109 +448,6 @@ static void light_is_kept(void **state)
     end(&films);
 }
 
-/* ---- what goes far, over a large thing: by cells ---- */
-
-enum { LARGE = 220, SAMPLES_OF_LARGE = 16 };
-
-/* A large film, on which one thing is seen from its left border up to a column: each pixel as bright as is said. */
-static void begin_large(Films *films, uint32_t columns, float (*light_of)(uint32_t x, uint32_t y))
-{
-    Error error;
-    assert_int_equal(film_init(&films->film, LARGE, LARGE, &error), STATUS_OK);
-    assert_int_equal(bright_film_init(&films->bright, false, LARGE, LARGE, &error), STATUS_OK);
-    for (uint32_t y = 0; y < LARGE; y++)
-        for (uint32_t x = 0; x < LARGE; x++)
-            for (uint32_t i = 0; i < SAMPLES_OF_LARGE; i++) {
-                float light = light_of(x, y);
-                add(films, x, y, (float[]){light, light, light}, x < columns ? 1 : BRIGHT_NOTHING);
-            }
-}
-
-static void resolve_large(Films *films)
-{
-    resolve(films, (const uint32_t[]){0, 0, LARGE, LARGE});
-}
-
-static float even_light(uint32_t x, uint32_t y)
-{
-    (void)x;
-    (void)y;
-    return 0.1f;
-}
-
-static float chequered_light(uint32_t x, uint32_t y)
-{
-    return (x / 3 + y / 3) % 2 ? 0.1f : 1e-5f;
-}
-
-static double gain_at(const Films *films, uint32_t x, uint32_t y)
-{
-    return films->way.pixels[y * LARGE + x].rgb[0];
-}
-
-/* All of it arrives, as far as is expected of its brightness; pixels that are next to black get a sixth. */
-static void what_goes_far_arrives(void **state)
-{
-    (void)state;
-    Films films;
-    double sum = 0, chequers[2] = {0};
-    const double light = 900.0 / (SAMPLES_OF_LARGE + 1);
-    begin_large(&films, LARGE, chequered_light);
-    uint32_t x = LARGE / 2 + 1, y = LARGE / 2 - 2;
-    assert_true(chequered_light(x, y) > 0.05f);
-    add(&films, x, y, (float[]){900, 900, 900}, 1);
-    resolve_large(&films);
-    assert_int_equal(films.way.samples, 1);
-    double farthest = 0;
-    for (uint32_t at = 0; at < LARGE * LARGE; at++) {
-        double u = (double)(at % LARGE) - x, v = (double)(at / LARGE) - y,
-               gain = gain_at(&films, at % LARGE, at / LARGE);
-        sum += gain;
-        if (gain > 0) farthest = fmax(farthest, sqrt(u * u + v * v));
-        if (u * u + v * v > 9 && u * u + v * v < 30 * 30)
-            chequers[chequered_light(at % LARGE, at / LARGE) > 0.05f] += gain;
-    }
-    assert_near(sum / light, 0, 1e-12);
-    assert_near(chequers[0] / chequers[1], 1 / 6.0, 0.02);
-    assert_true(farthest > 90 && farthest < 180);
-    printf("    a sample of %g times what is there goes %.0f pixels far\n", light / 0.05, farthest);
-    end(&films);
-}
-
-/* A sample in each column, one at a time: what all columns get of these together, over what they give. By columns, as rows are
- * alike. */
-static void edges_get_as_much_from_far(void **state)
-{
-    (void)state;
-    enum { COLUMNS = LARGE / 2 };
-    static double sums[COLUMNS];
-    Error error;
-    Films films;
-    const uint32_t all[4] = {0, 0, LARGE, LARGE};
-    const float bright = 600;
-    double worst = 0;
-    begin_large(&films, COLUMNS, even_light);
-    for (uint32_t x = 0; x < COLUMNS; x++) {
-        size_t at = (size_t)LARGE / 2 * LARGE + x;
-        FilmPixel pixel = films.film.pixels[at];
-        BrightPixel kept = films.bright.pixels[at];
-        add(&films, x, LARGE / 2, (float[]){bright, bright, bright}, 1);
-        assert_int_equal(spread_init(&films.way, &films.film, &films.bright, all, NULL, &error), STATUS_OK);
-        assert_int_equal(films.way.samples, 1);
-        for (uint32_t to = 0; to < LARGE * LARGE; to++)
-            if (to % LARGE < COLUMNS)
-                sums[to % LARGE] += gain_at(&films, to % LARGE, to / LARGE) / ((double)bright / (SAMPLES_OF_LARGE + 1));
-        spread_clear(&films.way);
-        films.film.pixels[at] = pixel;
-        films.bright.pixels[at] = kept;
-    }
-    for (uint32_t x = 0; x < COLUMNS; x++) worst = fmax(worst, fabs(sums[x]));
-    printf("    columns get what they give within %.3f\n", worst);
-    assert_near(worst, 0, 0.08); /* by pixels 0.071 */
-    film_clear(&films.film);
-    bright_film_clear(&films.bright);
-}
-
 /* A wall of two colours on which nothing shines but what one sample finds: what it shares out goes by what is reflected, near and
  * far, and whether or not there is some other light. */
 static void what_is_reflected_counts(void **state)
@@ -857,27 +708,6 @@ static void what_all_is_lit_by_is_no_tint(void **state)
     assert_near(farthest[1], farthest[0], 1e-9);
 }
 
-/* Many of all brightnesses, on three things that overlap: nothing is lost, and any number of threads gives the same. */
-static void much_goes_far(void **state)
-{
-    (void)state;
-    Films films;
-    double sum = 0, light = 0;
-    begin_large(&films, LARGE, chequered_light);
-    for (uint32_t i = 0; i < 600; i++) {
-        uint64_t key = hash_u64(i);
-        float bright = expf(10 * hash_to_unit_f(hash_u32(i + 7))) * 0.3f;
-        add(&films, (uint32_t)(key % LARGE), (uint32_t)(key / LARGE % LARGE), (float[]){bright, 0.5f * bright, bright},
-            1 + i % 3 / 2);
-        light += (double)bright / (SAMPLES_OF_LARGE + 1);
-    }
-    resolve_large(&films);
-    assert_true(films.way.samples > 200);
-    for (uint32_t at = 0; at < LARGE * LARGE; at++) sum += gain_at(&films, at % LARGE, at / LARGE);
-    assert_near(sum / light, 0, 1e-12);
-    end(&films);
-}
-
 /* What is kept of a pixel does not depend on the order of its samples; and what is beyond an area takes no part. */
 static void order_and_area(void **state)
 {
@@ -1052,8 +882,6 @@ int main(void)
         cmocka_unit_test(next_to_nothing_draws_no_light),
         cmocka_unit_test(edges_get_as_much),
         cmocka_unit_test(light_is_kept),
-        cmocka_unit_test(what_goes_far_arrives),
-        cmocka_unit_test(edges_get_as_much_from_far),
         cmocka_unit_test(what_is_reflected_counts),
         cmocka_unit_test(what_comes_gets_the_colour_there),
         cmocka_unit_test(lamps_stay_where_they_are),
@@ -1062,7 +890,6 @@ int main(void)
         cmocka_unit_test(glows_are_not_dotted),
         cmocka_unit_test(what_is_small_and_glaring_stays_small),
         cmocka_unit_test(what_all_is_lit_by_is_no_tint),
-        cmocka_unit_test(much_goes_far),
         cmocka_unit_test(order_and_area),
         cmocka_unit_test(rendered),
         cmocka_unit_test(what_scatters_in_something_clear_stays_there),
