@@ -158,11 +158,13 @@ static void warn_of_black(const RenderRun *run)
     const RenderSettings *settings = &run->settings;
     Buf view = {0};
     viewpoint_add_options(&run->input, settings->width, settings->height, &view);
-    talk_warning(
-        run->talk,
-        "all of the picture is black: the camera is inside of an opaque object, or no light comes to what it looks at, "
-        "or is found by so few samples; 'meniscus check %s%s --pixel %u,%u' says what is in front of it",
-        run->input.path, buf_text(&view), (unsigned)settings->width / 2, (unsigned)settings->height / 2);
+    const char *why = is_black(&run->image, true)
+                          ? "the camera looks past all that there is, and around it nothing shines"
+                          : "the camera is inside of an opaque object, or no light comes to what it looks at, or is "
+                            "found by so few samples";
+    talk_warning(run->talk,
+                 "all of the picture is black: %s; 'meniscus check %s%s --pixel %u,%u' says what is in front of it", why,
+                 run->input.path, buf_text(&view), (unsigned)settings->width / 2, (unsigned)settings->height / 2);
     buf_clear(&view);
 }
 

@@ -602,6 +602,10 @@ matches err "'meniscus check black.mns --pixel [0-9]+,[0-9]+'"
 run render black.mns -o black.png --size 10x6
 says err "'meniscus check black.mns --size 10x6 --pixel 5,3'"
 there black.png
+sed -e '/environment/d' small.mns > away.mns
+echo 'light { shape = sphere  from = <500, 20, 0>  radius = 1  power = 1 }' >> away.mns
+run render away.mns -o away.png --set 'camera.from=<0, 50, 0>' --set 'camera.to=<0, 99, 1>'
+says err "warning: all of the picture is black: the camera looks past all that there is, and around it nothing shines"
 run render black.mns -o black.exr -q --log-format json
 matches err '"warning".*all of the picture is black'
 run render black.mns -o black.#.exr --set animation.frames=3
