@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "base/angle.h"
+#include "base/attr.h"
 #include "base/hash.h"
 
 double pattern_wave(PatternWave wave, double x)
@@ -158,6 +159,12 @@ static void spots(const Pattern *pattern, const PatternPlace *place, PatternPart
 
 /* The root mean square and the mean absolute value of noise_gradient, measured. */
 static const double noise_rms = 0.27, noise_mean_size = 0.22;
+/* Of what an octave of each style adds: the variance. That of crests is that of (1 - |x|)^2 for a normal x. */
+static double octave_variance(NoiseStyle style)
+{
+    if (style == NOISE_SMOOTH) return noise_rms * noise_rms;
+    return style == NOISE_TURBULENCE ? noise_rms * noise_rms - noise_mean_size * noise_mean_size : 0.047;
+}
 
 /* How much of an octave of that frequency a footprint lets through: nothing when a period is no larger than it. */
 static double seen(double frequency, double footprint)
@@ -172,12 +179,28 @@ static Vec3 octave_point(Vec3 p, double frequency, unsigned octave)
     return vec3(p.x * frequency + shift, p.y * frequency + shift, p.z * frequency + shift);
 }
 
-static double noise(const Pattern *pattern, const PatternPlace *place)
+/* What is around a value by that deviation, as a normal distribution has it, in parts of one size: a step of a ramp is to have as
+ * much of a footprint on either side as it has of the pattern. */
+static void normal_parts(double value, double deviation, PatternParts *parts)
+{
+    /* the middles of eighths, so far apart that their variance is 1 */
+    static const double quantiles[] = {-1.663, -0.962, -0.530, -0.170, 0.170, 0.530, 0.962, 1.663};
+    const double least = 0.02;
+    if (deviation <= least) {
+        one_part(parts, clamp_unit(value));
+        return;
+    }
+    for (size_t i = 0; i < COUNT_OF(quantiles); i++)
+        add_part(parts, clamp_unit(value + deviation * quantiles[i]), 1.0 / COUNT_OF(quantiles));
+}
+_Static_assert(PATTERN_MOST_PARTS >= 8, "a part for each of them");
+
+static void noise(const Pattern *pattern, const PatternPlace *place, PatternParts *parts)
 {
     const double crest = 1 - 2 * noise_mean_size + noise_rms * noise_rms; /* the mean of (1 - |noise|)^2 */
     /* beyond it there is no noise */
     const double most = 0.5 * NOISE_LARGEST_COORDINATE / (1 + vec3_max_abs(place->p));
-    double sum = 0, weight = 1, weights = 0, squares = 0, frequency = 1;
+    double sum = 0, weight = 1, weights = 0, squares = 0, hidden = 0, frequency = 1;
     for (unsigned i = 0; i < pattern->octaves; i++) {
         double part = frequency < most ? seen(frequency, place->footprint) : 0, value = 0;
         if (part > 0) value = noise_gradient(octave_point(place->p, frequency, i), pattern->seed);
@@ -189,12 +212,16 @@ static double noise(const Pattern *pattern, const PatternPlace *place)
             sum += weight * (part * (1 - fabs(value)) * (1 - fabs(value)) + (1 - part) * crest);
         weights += weight;
         squares += weight * weight;
+        hidden += weight * weight * (1 - part * part);
         weight *= pattern->gain;
         frequency *= pattern->lacunarity;
     }
     /* two standard deviations reach from the middle to either end */
-    if (pattern->style == NOISE_SMOOTH) return clamp_unit(0.5 + 0.25 * sum / (noise_rms * sqrt(squares)));
-    return clamp_unit(pattern->style == NOISE_TURBULENCE ? sum / weights / (2.5 * noise_mean_size) : sum / weights);
+    const bool smooth = pattern->style == NOISE_SMOOTH;
+    double scale = smooth                               ? 0.25 / (noise_rms * sqrt(squares))
+                   : pattern->style == NOISE_TURBULENCE ? 1 / (weights * 2.5 * noise_mean_size)
+                                                        : 1 / weights;
+    normal_parts((smooth ? 0.5 : 0) + scale * sum, scale * sqrt(hidden * octave_variance(pattern->style)), parts);
 }
 
 /* Octaves multiply coordinates by less than this, those of noise() but for one whose lacunarity is large. */
@@ -350,7 +377,7 @@ void pattern_parts(const Pattern *pattern, const PatternPlace *given, PatternPar
     case PATTERN_BRICK: pattern_brick(pattern, &place, parts); break;
     case PATTERN_HEXAGON: pattern_hexagon(&place, parts); break;
     case PATTERN_GRADIENT: gradient(pattern, &place, parts); break;
-    case PATTERN_NOISE: one_part(parts, noise(pattern, &place)); break;
+    case PATTERN_NOISE: noise(pattern, &place, parts); break;
     case PATTERN_WOOD: wood(pattern, &place, parts); break;
     case PATTERN_GRANITE: one_part(parts, granite(pattern, &place)); break;
     case PATTERN_CRACKLE: crackle(pattern, &place, parts); break;
