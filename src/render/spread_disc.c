@@ -510,12 +510,47 @@ Lone spread_lone_on_way(const Maps *maps, uint32_t y, const Way *way)
     return lone;
 }
 
+/* Whether comparable samples lie where light is, as chance would not have it if black pixels had their part of them: by the likelihood
+ * of where they lie, with that part and without. In an icicle that shows the sun at its tip and dark land elsewhere, the dark stays. */
+static bool shuns_the_dark(const Maps *maps, const Lone *lone, int radius)
+{
+    const double least = 0.01,
+                 surely = 3; /* of a pixel without light, as its light may be by chance; log of the ratio */
+    Square square = square_around(lone, radius);
+    Lone by_light = *lone;
+    by_light.black = 0;
+    by_light.slope = lone->slope / (1 - TO_BLACK);
+    double weights[2] = {0}, logs[2] = {0};
+    uint32_t n = 0;
+    for (uint32_t y = square.y0; y < square.y1; y++) {
+        size_t pixel = place_in(maps->area, square.x0, y);
+        for (uint32_t x = square.x0; x < square.x1; x++, pixel++) {
+            double weight = weight_of(&maps->looks, lone, pixel), lit = weight_of(&maps->looks, &by_light, pixel);
+            if (!(weight > 0)) continue;
+            lit = fmax(lit, least * weight);
+            weights[0] += weight;
+            weights[1] += lit;
+            uint32_t alike = count_kept(maps, lone, pixel, maps->looks.few[pixel]);
+            if (alike == 0) continue;
+            n += alike;
+            logs[0] += alike * log(weight);
+            logs[1] += alike * log(lit);
+        }
+    }
+    return n > 0 && logs[1] - n * log(weights[1]) > logs[0] - n * log(weights[0]) + surely;
+}
+
 /* The rest of a way by pixels, when its radius is known. */
-static void finish_way(const Maps *maps, const Lone *lone, int radius, Way *way)
+static void finish_way(const Maps *maps, Lone *lone, int radius, Way *way)
 {
     way->radius = (uint16_t)radius;
+    if (radius > NEAR && !way->by_found && shuns_the_dark(maps, lone, radius)) {
+        lone->black = way->black = 0;
+        lone->slope = way->slope = lone->slope / (1 - TO_BLACK);
+        way->weights = 0;
+    }
     if (radius > 0 && radius <= NEAR) find_crowding(maps, lone, way);
-    if (radius == 0 || (!(way->crowding > 0) && !way->mirrored)) return;
+    if (radius == 0 || (!(way->crowding > 0) && !way->mirrored && way->weights > 0)) return;
     way->weights = 0;
     Square square = square_around(lone, radius);
     for (uint32_t y = square.y0; y < square.y1; y++) {
@@ -523,6 +558,7 @@ static void finish_way(const Maps *maps, const Lone *lone, int radius, Way *way)
         Columns span = spread_weights_of_row(maps, lone, way, y, weights);
         for (uint32_t i = 0; i < span.x1 - span.x0; i++) way->weights += weights[i];
     }
+    if (!(way->weights > 0)) way->radius = 0;
 }
 
 void spread_in_clump(const Maps *maps, Lone *lone, bool known, Way *way)

@@ -184,6 +184,41 @@ static void colours_make_up_for_each_other(void **state)
     end(&films);
 }
 
+/* One thing, bright to the left and dark to the right. Samples that all lie in what is bright go by what light is there: the dark gets
+ * a fortieth of it, not a sixth. Where they lie in the dark, too, it gets that. */
+static void what_is_dark_gets_what_is_found_there(void **state)
+{
+    (void)state;
+    double ratios[2];
+    for (int also = 0; also < 2; also++) {
+        Films films;
+        begin(&films);
+        for (uint32_t y = 0; y < SIDE; y++)
+            for (uint32_t x = 0; x < SIDE; x++)
+                for (uint32_t i = 0; i < 64; i++) {
+                    float light = x < MIDDLE ? 0.8f : 0.02f;
+                    add(&films, x, y, (float[]){light, light, light}, 1);
+                }
+        for (uint32_t i = 0; i < 24; i++) {
+            uint32_t x = hash_u32(i) % MIDDLE, y = hash_u32(i + 100) % SIDE;
+            if (also && i % 6 == 0) x += MIDDLE;
+            add(&films, x, y, (float[]){300, 300, 300}, 1);
+        }
+        resolve(&films, whole);
+        double bright = 0, dark = 0;
+        for (uint32_t y = 0; y < SIDE; y++)
+            for (uint32_t x = 0; x < SIDE; x++) {
+                double gain = films.way.pixels[y * SIDE + x].rgb[0];
+                if (gain > 0) *(x < MIDDLE ? &bright : &dark) += gain;
+            }
+        ratios[also] = dark / bright;
+        end(&films);
+    }
+    printf("    the dark gets %.3f of what the bright does, and %.3f where some are found there\n", ratios[0],
+           ratios[1]);
+    assert_true(ratios[0] < 0.05 && ratios[1] > 0.1);
+}
+
 /* Light that all around have found by many samples, and a pixel or two by one: that fills these up, and the rest goes. */
 static void no_hole_is_left(void **state)
 {
@@ -872,6 +907,7 @@ int main(void)
         cmocka_unit_test(what_few_bring_to_the_dark_is_a_haze),
         cmocka_unit_test(one_colour_is_seen_sooner),
         cmocka_unit_test(colours_make_up_for_each_other),
+        cmocka_unit_test(what_is_dark_gets_what_is_found_there),
         cmocka_unit_test(no_hole_is_left),
         cmocka_unit_test(what_is_thin_stays_thin),
         cmocka_unit_test(the_brightest_are_held),
