@@ -32,8 +32,8 @@
  * twenty each time, their light would be in one pixel of very many: in even light a ball in a ball whose facets are a little off
  * the other's had lost 8 parts in 100,000, and 2 % in its darkest pixel, with that from 2,048 bounces on. */
 enum { LONG_WAY = 256 };
-/* In a medium without an end that takes no light a path would be scattered for ever, and nobody could stop it: beyond so many events,
- * of all kinds, the n-th ends three paths in n, so that one is half as long again on the mean. Milk takes some ten thousand. */
+/* In a medium without an end that takes no light a path would be scattered for ever, and nobody could stop it: where it was so
+ * often, the n-th event ends three paths in n, so that one is half as long again on the mean. Milk takes some ten thousand. */
 enum { NO_END = 1 << 15 };
 
 void tracer_init(Tracer *tracer, const World *world)
@@ -111,7 +111,7 @@ static bool survives(Path *path)
     float carried =
         path->sought * float_max(lanes_max(path->beta) * 0.25f, lanes_mean(path->beta)) / lanes_mean(path->ratio);
     bool long_way = path->n_counted > LONG_WAY && path->tracer->world->max_bounces == SCENE_BOUNCES_BY_CHANCE;
-    bool no_end = path->bounce > NO_END;
+    bool no_end = path->bounce > NO_END + path->n_counted;
     float below = path->tracer->world->trial.roulette_below;
     if (LIKELY(below == 0)) below = ROULETTE_BELOW;
     if (LIKELY(carried >= below && !long_way && !no_end)) return true;
