@@ -59,10 +59,7 @@ static double part_in(const Brightness *brightness, int from, int to)
 
 double brightness_stops(const Brightness *brightness)
 {
-    enum {
-        DARK = 5,
-        RANGE = 14
-    }; /* stops below white, and below the highlights: where nothing is that is to be seen */
+    enum { DARK = 5, RANGE = 14 }; /* stops below white; and below the highlights, where nothing is seen */
     const double white = 0.02, worth = 0.15;
     int high = brightness->n ? band_at(brightness, 1 - white) : 0;
     if (high == 0) return 0;

@@ -514,30 +514,32 @@ Lone spread_lone_on_way(const Maps *maps, uint32_t y, const Way *way)
  * of where they lie, with that part and without. In an icicle that shows the sun at its tip and dark land elsewhere, the dark stays. */
 static bool shuns_the_dark(const Maps *maps, const Lone *lone, int radius)
 {
-    const double least = 0.01,
-                 surely = 3; /* of a pixel without light, as its light may be by chance; log of the ratio */
+    const double least = 0.01; /* of what pixels without light get as it is: there may be some by chance */
+    const double surely = 3;
     Square square = square_around(lone, radius);
     Lone by_light = *lone;
     by_light.black = 0;
     by_light.slope = lone->slope / (1 - TO_BLACK);
-    double weights[2] = {0}, logs[2] = {0};
-    uint32_t n = 0;
+    double sums[2] = {0}, likelier = 0; /* the logarithm of by how much */
+    uint32_t n = 0, columns = square.x1 - square.x0;
     for (uint32_t y = square.y0; y < square.y1; y++) {
+        double shares[2 * SPREAD_FARTHEST + 1], weights[2 * SPREAD_FARTHEST + 1], lit[2 * SPREAD_FARTHEST + 1];
         size_t pixel = place_in(maps->area, square.x0, y);
-        for (uint32_t x = square.x0; x < square.x1; x++, pixel++) {
-            double weight = weight_of(&maps->looks, lone, pixel), lit = weight_of(&maps->looks, &by_light, pixel);
-            if (!(weight > 0)) continue;
-            lit = fmax(lit, least * weight);
-            weights[0] += weight;
-            weights[1] += lit;
-            uint32_t alike = count_kept(maps, lone, pixel, maps->looks.few[pixel]);
-            if (alike == 0) continue;
+        weights_of(&maps->looks, lone, pixel, columns, shares, weights);
+        weights_of(&maps->looks, &by_light, pixel, columns, shares, lit);
+        for (uint32_t i = 0; i < columns; i++) {
+            lit[i] = lit[i] > least * weights[i] ? lit[i] : least * weights[i];
+            sums[0] += weights[i];
+            sums[1] += lit[i];
+        }
+        for (uint32_t i = 0; i < columns; i++) {
+            if (LIKELY(maps->looks.brightest[pixel + i] < lone->least) || !(weights[i] > 0)) continue;
+            uint32_t alike = count_kept(maps, lone, pixel + i, maps->looks.few[pixel + i]);
             n += alike;
-            logs[0] += alike * log(weight);
-            logs[1] += alike * log(lit);
+            if (alike > 0) likelier += alike * log(lit[i] / weights[i]);
         }
     }
-    return n > 0 && logs[1] - n * log(weights[1]) > logs[0] - n * log(weights[0]) + surely;
+    return n > 0 && likelier - n * log(sums[1] / sums[0]) > surely;
 }
 
 /* The rest of a way by pixels, when its radius is known. */
