@@ -163,8 +163,8 @@ static void warn_of_black(const RenderRun *run)
                           : "the camera is inside of an opaque object, or no light comes to what it looks at, or is "
                             "found by so few samples";
     talk_warning(run->talk,
-                 "all of the picture is black: %s; 'meniscus check %s%s --pixel %u,%u' says what is in front of it", why,
-                 run->input.path, buf_text(&view), (unsigned)settings->width / 2, (unsigned)settings->height / 2);
+                 "all of the picture is black: %s; 'meniscus check %s%s --pixel %u,%u' says what is in front of it",
+                 why, run->input.path, buf_text(&view), (unsigned)settings->width / 2, (unsigned)settings->height / 2);
     buf_clear(&view);
 }
 
