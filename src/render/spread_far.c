@@ -540,8 +540,9 @@ static bool find_densities(Cells *cells)
     if (!density_find(&cells->densities, DENSITY_ANY, count_for_density, cells, pool)) return false;
     for (size_t i = 0; i < cells->n_samples; i++) {
         const Way *way = way_of(cells->maps, &cells->samples[i]);
-        Lone lone = spread_lone_on_way(cells->maps, cells->maps->area[1] + cells->samples[i].row, way);
-        if (!density_find(&cells->densities, density_kind(lone.least), count_for_density, cells, pool)) return false;
+        const BrightPixel *pixel = bright_at(cells->maps, way->x, cells->maps->area[1] + cells->samples[i].row);
+        int kind = density_kind(bright_light(pixel->rgb[way->kept]) * ALIKE); /* as Lone.least */
+        if (!density_find(&cells->densities, kind, count_for_density, cells, pool)) return false;
     }
     return true;
 }
