@@ -140,3 +140,19 @@ bool flat_way_find(const FlatFace *faces, uint32_t n, Vec3 from, Vec3 to, Vec3 *
     }
     return missed <= least;
 }
+
+bool flat_way_leaving(const FlatFace *faces, uint32_t n, Vec3 leaving, Vec3 *direction, double *spread)
+{
+    *direction = leaving;
+    *spread = 1;
+    for (uint32_t i = n; i-- > 0;) {
+        const FlatFace *face = &faces[i];
+        double slope = vec3_dot(face->normal, *direction), back = 1 / face->eta;
+        double square = 1 - back * back * (1 - slope * slope);
+        if (!(square > 0) || slope == 0) return false;
+        double before = copysign(sqrt(square), slope);
+        *direction = vec3_normalize(vec3_along(vec3_scale(*direction, back), before - back * slope, face->normal));
+        *spread *= face->eta * face->eta * before / slope; /* etendue */
+    }
+    return true;
+}

@@ -34,4 +34,8 @@ double flat_ray_spread(const FlatRay *ray, Vec3 to);
 /* The direction in which a ray leads by the faces from one point to another, to 1e-8 of how far these are; false: none was found. */
 bool flat_way_find(const FlatFace *faces, uint32_t n, Vec3 from, Vec3 to, Vec3 *direction, FlatRay *ray);
 
+/* The direction with which a ray starts that leaves by the faces in a given one (unit), and how many steradians there come of one at
+ * its start; false: none leaves so. Of faces that are gone through alone. */
+bool flat_way_leaving(const FlatFace *faces, uint32_t n, Vec3 leaving, Vec3 *direction, double *spread);
+
 #endif

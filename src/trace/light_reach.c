@@ -110,17 +110,17 @@ static Status find_straight(World *world, Error *error)
     return STATUS_OK;
 }
 
-/* Lamps may be seen from within whatever has flat faces. But where a medium scatters light that comes straight, it is looked for along
+/* All lights may be seen from within whatever has flat faces. But where a medium scatters light that comes straight, it is looked for along
  * the way (airlight.h), and these looks are weighed against those from places as among the same lights. */
 static void find_through(World *world)
 {
     const CompiledScene *compiled = world->compiled;
     memcpy(world->reach_through, world->reach, world->scene->n_media);
-    for (uint32_t i = 0; i < world->scene->n_objects && world->slabs.n && world->emitters.n; i++) {
+    for (uint32_t i = 0; i < world->scene->n_objects && world->slabs.n; i++) {
         if (world->slabs.of_object[i] == SCENE_NONE) continue;
         uint32_t medium = compiled->order.top[compiled_hull(compiled, i)].medium;
         if (medium >= world->scene->n_media || (world->scene->media[medium].scatters && world->reach[medium])) continue;
-        world->reach_through[medium] |= REACH_NEAR;
+        world->reach_through[medium] |= REACH_FAR | REACH_NEAR;
     }
 }
 

@@ -20,6 +20,7 @@
 #include "trace/shade.h"
 #include "trace/sight.h"
 #include "trace/slab_look.h"
+#include "trace/slab_sky.h"
 #include "trace/texture_shade.h"
 
 /* Paths that carry less than this are left to Russian roulette. A picture is looked at by its relative error, and what
@@ -200,7 +201,12 @@ static void find_infinity(Path *path)
     const World *world = tracer->world;
     const Scene *scene = world->scene;
     bool sight = path->ray.sight;
-    if (path_is_in_slabs(path)) slab_leave_scene(path);
+    if (path_is_in_slabs(path)) {
+        if (path->slab_way.outside)
+            slab_leave_scene(path);
+        else
+            slab_leave_for_sky(path);
+    }
     if (sight && (!scene->environment || scene->environment_hidden))
         path->open = lanes_mean(path->beta) / lanes_mean(path->ratio);
     const LightRival rival = {path->scatter_lights, path->scatter_point, path->scatter_normal,

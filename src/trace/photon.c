@@ -9,6 +9,7 @@
 #include "trace/photon_start.h"
 #include "trace/shade.h"
 #include "trace/slab_lamp.h"
+#include "trace/slab_sky.h"
 
 /* Boundaries and mirrors that a photon is followed through. */
 enum { MOST_EVENTS = 64 };
@@ -35,8 +36,9 @@ static void land(const Path *path, const Event *event, float flux, Photon *photo
 /* Whether looks find what comes through slabs as the photon did. */
 static bool is_looked_at(const Path *path, const LightSample *light, const Ray *begin, const Photon *photon)
 {
-    if (!isfinite(light->distance)) return slab_keeps_direction(path);
-    return slab_lamp_is_looked_at(path, light->emitter, begin, vec3_from_f(photon->position));
+    const Vec3 place = vec3_from_f(photon->position);
+    if (isfinite(light->distance)) return slab_lamp_is_looked_at(path, light->emitter, begin, place);
+    return slab_keeps_direction(path) || slab_sky_is_looked_at(path, vec3f_negate(begin->direction), place);
 }
 
 /* Follows a photon from a light to where it ends; false: to no place of use. */

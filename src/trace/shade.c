@@ -14,6 +14,7 @@
 #include "trace/shade_bsdf.h"
 #include "trace/shaft.h"
 #include "trace/slab_lamp.h"
+#include "trace/slab_sky.h"
 #include "trace/texture_shade.h"
 
 Lanes path_basic_radiance(const World *world, Lanes radiance, uint32_t medium, Lanes wavelength_nm)
@@ -144,7 +145,9 @@ void path_look_at_light(Path *path, const LookPlace *from, LightLooks *looks)
 {
     path_choose_light(path, from->choices, from->place->position, from->normal, &looks->lights[0]);
     looks->n = 1;
-    if (UNLIKELY(path->tracer->world->slabs.n)) slab_look_at_lamp(path, from, looks);
+    if (LIKELY(!path->tracer->world->slabs.n)) return;
+    slab_look_at_sky(path, from, looks);
+    slab_look_at_lamp(path, from, looks);
 }
 
 static bool sees(Path *path, Ray *ray, Lanes *transmittance, uint32_t *medium_at_light)

@@ -2,11 +2,11 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "trace/slab_lamp.h"
 
-#include "optics/flat_way.h"
 #include "optics/fresnel.h"
 #include "optics/sampling.h"
 #include "trace/beams.h"
 #include "trace/probe.h"
+#include "trace/slab_faces.h"
 
 /* A way by more faces than these is not looked for to and fro. */
 enum { MOST_PAIRED = 8 };
@@ -15,92 +15,22 @@ static const float looked_again = 0.125f;
 /* How often one is sent past what is opaque in its straight way. */
 static const float looked_past = 0.125f;
 
-/* The faces of a way from a place to a lamp. */
-typedef struct LampWay {
-    FlatFace faces[SLAB_FACES];
-    uint64_t numbers[SLAB_FACES]; /* see slabs_face */
-    uint32_t n;
-    bool disperses; /* the indices of some change with the wavelength */
-    bool blocked;   /* something opaque stands in the straight way, */
-    bool past;      /* which was looked past */
-} LampWay;
-
 /* ---- the faces ---- */
-
-/* Puts a boundary that the ray comes to among the faces of a way; false: it is none. */
-static bool add_face(Path *look, const Ray *ray, const Hit *hit, Lanes eta_i, Lanes eta_t, LampWay *way)
-{
-    const World *world = look->tracer->world;
-    SurfacePlace place = path_place_of(world, ray, hit);
-    uint64_t number = slab_face_at(world, hit, &place);
-    if (!number || way->n == SLAB_FACES) return false;
-    Vec3 normal = vec3_normalize(vec3_from_f(place.geometric));
-    way->faces[way->n] = (FlatFace){.normal = normal,
-                                    .offset = vec3_dot(normal, place.position),
-                                    .eta = (double)lanes_get(eta_i, 0) / (double)lanes_get(eta_t, 0)};
-    way->numbers[way->n++] = number;
-    way->disperses |= !lanes_uniform(eta_i) || !lanes_uniform(eta_t);
-    return true;
-}
-
-/* All surfaces at one place; false: no look goes through them. */
-static bool cross_straight(Path *look, const Ray *ray, const Hit *hits, size_t n, LampWay *way)
-{
-    Tracer *tracer = look->tracer;
-    const World *world = tracer->world;
-    NestCrossing crossing;
-    for (size_t i = 0; i < n && world->has_paint; i++)
-        if (scene_is_painted(world->scene, hits[i].object)) return false;
-    if (n > 1 && nest_list_copy(&tracer->next, &tracer->list) != STATUS_OK) tracer->out_of_memory = true;
-    if (!path_cross(tracer, &tracer->list, hits, n, &crossing)) tracer->out_of_memory = true;
-    way->blocked |= crossing.opaque;
-    if (tracer->out_of_memory || crossing.n_faults || crossing.opaque) return false;
-    if (crossing.medium_from == crossing.medium_to) return true; /* panes are crossed likewise */
-    Lanes eta_i = path_ior(look, crossing.medium_from), eta_t = path_ior(look, crossing.medium_to);
-    if (lanes_equal(eta_i, eta_t)) return true;
-    return add_face(look, ray, path_boundary_hit(tracer, &tracer->next, hits, n, &crossing), eta_i, eta_t, way);
-}
-
-static bool has_slab(const World *world, const Hit *hits, size_t n)
-{
-    for (size_t i = 0; i < n; i++)
-        if (world->slabs.of_object[hits[i].object] != SCENE_NONE) return true;
-    return false;
-}
-
-/* The faces on the look's ray, which ends at a light; false: something is in the way that no look goes through. past: only flat
- * bodies count. */
-static bool find_faces(Path *look, bool past, LampWay *way)
-{
-    Tracer *tracer = look->tracer;
-    const HitList *all = &tracer->shadow_hits;
-    way->n = 0;
-    way->disperses = false;
-    way->past = past;
-    tracer->counters.rays++;
-    way->blocked = !rtc_all(tracer->world->compiled->rtc, &look->ray, !past, &tracer->shadow_hits);
-    for (size_t i = 0, n; i < all->n && !way->blocked; i += n) {
-        n = rtc_cluster(all->items + i, all->n - i);
-        if (past && !has_slab(tracer->world, all->items + i, n)) continue;
-        if (!cross_straight(look, &look->ray, all->items + i, n, way)) return false;
-    }
-    return !way->blocked;
-}
 
 /* The same past what stands in the straight way, as the light's own may well be free: always to a lamp that is not found otherwise,
  * and to others where light is bent much, by the part of the looks that *often becomes. u: in [0, 1). */
-static bool find_faces_past(Path *look, bool delta, float u, LampWay *way, float *often)
+static bool find_faces_past(Path *look, bool delta, float u, FaceWay *way, float *often)
 {
     Tracer *tracer = look->tracer;
     NestList *list = &tracer->list, *begin = &tracer->began;
     *often = 1;
-    if (delta) return find_faces(look, true, way);
+    if (delta) return slab_find_faces(look, true, way);
     if (nest_list_copy(begin, list) != STATUS_OK) tracer->out_of_memory = true;
-    if (find_faces(look, false, way)) return true;
+    if (slab_find_faces(look, false, way)) return true;
     if (!way->blocked || !compiled_indices_differ(tracer->world->scene, nest_medium(begin), WORLD_MEDIUM)) return false;
     *often = looked_past;
     nest_list_swap(list, begin);
-    return u < looked_past && find_faces(look, true, way);
+    return u < looked_past && slab_find_faces(look, true, way);
 }
 
 static bool are_parallel(const FlatFace *a, const FlatFace *b)
@@ -109,7 +39,7 @@ static bool are_parallel(const FlatFace *a, const FlatFace *b)
 }
 
 /* Pairs of faces that light may go to and fro between. */
-static uint32_t count_pairs(const LampWay *way)
+static uint32_t count_pairs(const FaceWay *way)
 {
     uint32_t n = 0;
     for (uint32_t j = 1; j < way->n && way->n <= MOST_PAIRED; j++)
@@ -117,7 +47,7 @@ static uint32_t count_pairs(const LampWay *way)
     return n;
 }
 
-static void add_step(const LampWay *of, uint32_t i, bool mirrored, bool back, LampWay *way)
+static void add_step(const FaceWay *of, uint32_t i, bool mirrored, bool back, FaceWay *way)
 {
     FlatFace *face = &way->faces[way->n];
     *face = of->faces[i];
@@ -127,7 +57,7 @@ static void add_step(const LampWay *of, uint32_t i, bool mirrored, bool back, La
 }
 
 /* The way that is mirrored at the second of such a pair, and then at the first. */
-static void go_to_and_fro(const LampWay *straight, uint32_t pair, LampWay *way)
+static void go_to_and_fro(const FaceWay *straight, uint32_t pair, FaceWay *way)
 {
     uint32_t first = 0, second = 1, i;
     for (uint32_t left = pair;; first++) {
@@ -143,23 +73,16 @@ static void go_to_and_fro(const LampWay *straight, uint32_t pair, LampWay *way)
     for (i = first + 1; i < straight->n; i++) add_step(straight, i, false, false, way);
 }
 
-static uint64_t steps_of(const LampWay *way)
-{
-    uint64_t steps = 0;
-    for (uint32_t i = 0; i < way->n; i++) steps = slab_step(steps, way->numbers[i], way->faces[i].mirrored);
-    return steps;
-}
-
 /* Whether each wavelength leaves by another way, and not just a little beside the others. */
-static bool parts_colors(const LampWay *way, Vec3 direction, const FlatRay *ray)
+static bool parts_colors(const FaceWay *way, Vec3 direction, const FlatRay *ray)
 {
     return way->disperses && vec3_length(vec3_sub(ray->direction, direction)) > 1e-4;
 }
 
 /* The faces of a beam's way that is mirrored, from a place on it to the lamp, by the look's indices. */
-static void take_route(Path *look, const BeamRoute *route, LampWay *way)
+static void take_route(Path *look, const BeamRoute *route, FaceWay *way)
 {
-    *way = (LampWay){.n = 0};
+    *way = (FaceWay){.n = 0};
     for (uint32_t i = route->n; i-- > 0;) {
         const BeamFace *face = &route->faces[i];
         Lanes in_front = path_ior(look, face->medium_behind), behind = path_ior(look, face->medium_before);
@@ -228,7 +151,7 @@ static float density_of_both(const World *world, const LightRival *look, const R
 
 /* The faces by which a look towards a lamp would find a way through slabs that was gone, and how often; false: it would not. from: on
  * that way, in front of the first of them. */
-static bool finds_way(const Path *path, Vec3 from, uint32_t emitter, Vec3 to, Vec3f lamp_normal, LampWay *way,
+static bool finds_way(const Path *path, Vec3 from, uint32_t emitter, Vec3 to, Vec3f lamp_normal, FaceWay *way,
                       float *often)
 {
     const World *world = path->tracer->world;
@@ -245,31 +168,21 @@ static bool finds_way(const Path *path, Vec3 from, uint32_t emitter, Vec3 to, Ve
     const double distance = vec3_length(vec3_sub(to, near));
     look.ray.t_max = distance - light_short_of(distance, cosine, to);
     look.ray.target = ball_of(world, emitter);
-    bool known = compiled_interior(world->compiled, vec3f_from(near), look.ray.time, &looker->shadow_hits,
-                                   &looker->list, NULL) == STATUS_OK;
-    bool found = known && find_faces_past(&look, false, 0, way, often);
-    looker->out_of_memory |= !known;
+    bool found = slab_find_list(&look) && find_faces_past(&look, false, 0, way, often);
     tracer_take_back(path->tracer);
-    if (!found || !one_pair) return found && steps_of(way) == gone->steps;
-    const LampWay straight = *way;
+    if (!found || !one_pair) return found && slab_steps_of(way) == gone->steps;
+    const FaceWay straight = *way;
     uint32_t n_pairs = count_pairs(&straight);
     *often *= looked_again / (float)n_pairs;
     for (uint32_t pair = 0; pair < n_pairs; pair++) {
         go_to_and_fro(&straight, pair, way);
-        if (steps_of(way) == gone->steps) return true;
+        if (slab_steps_of(way) == gone->steps) return true;
     }
     return false;
 }
 
-/* A place right beside where a way began, on it: on what it began is known no more. */
-static Vec3 right_beside(Vec3 from, Vec3 towards)
-{
-    const double part = 0.01;
-    return vec3_along(from, part, vec3_sub(towards, from));
-}
-
 /* Whether a way leads to a lamp's place in the direction that the path has gone. */
-static bool is_gone(const Path *path, const LampWay *way, Vec3 to, FlatRay *bent)
+static bool is_gone(const Path *path, const FaceWay *way, Vec3 to, FlatRay *bent)
 {
     const double same = 1e-3;
     Vec3 direction;
@@ -286,7 +199,7 @@ static float density_mirrored(Path *path, uint32_t emitter, const Hit *hit)
     const BeamWay *beam = beams_find_mirrored(world, from, emitter, path->slab_way.steps);
     if (!beam || !(path->scatter_lights->near > 0)) return 0;
     Path look;
-    LampWay way;
+    FaceWay way;
     FlatRay bent;
     slab_begin_look(path, path->tracer, path->index_lane, &look);
     take_route(&look, &beam->route, &way);
@@ -304,10 +217,10 @@ float slab_lamp_density(Path *path, const Hit *hit)
     if (!scattered || emitter == EMITTER_NONE || world->emitters.emitters[emitter].cut) return 0;
     if (gone->n_mirrored == 1) return density_mirrored(path, emitter, hit);
     Vec3 from = path->scatter_point, to = ray_point(&path->ray, hit->t);
-    LampWay way;
+    FaceWay way;
     float often;
     FlatRay bent;
-    if (!finds_way(path, right_beside(from, gone->first_face), emitter, to, hit->normal, &way, &often) ||
+    if (!finds_way(path, slab_right_beside(from, gone->first_face), emitter, to, hit->normal, &way, &often) ||
         !is_gone(path, &way, to, &bent))
         return 0;
     const LightRival look = {path->scatter_lights, from, path->scatter_normal, -1};
@@ -316,14 +229,14 @@ float slab_lamp_density(Path *path, const Hit *hit)
 
 bool slab_lamp_is_looked_at(const Path *photon, uint32_t emitter, const Ray *begin, Vec3 place)
 {
-    LampWay way;
+    FaceWay way;
     float often;
     const World *world = photon->tracer->world;
     uint32_t medium = nest_medium(&photon->tracer->list);
     return world_lights_through(world, medium)->near > 0 && emitter != EMITTER_NONE &&
            !world->emitters.emitters[emitter].cut &&
-           finds_way(photon, right_beside(place, photon->ray.origin), emitter, begin->origin, begin->direction, &way,
-                     &often) &&
+           finds_way(photon, slab_right_beside(place, photon->ray.origin), emitter, begin->origin, begin->direction,
+                     &way, &often) &&
            !way.past;
 }
 
@@ -355,61 +268,16 @@ typedef struct LampLook {
     const BeamWay *mirrored; /* NULL, or by which way that is mirrored it goes; often and at_beam do not count then */
 } LampLook;
 
-/* False when memory ends. */
-static bool start(LampLook *look, Vec3f direction)
+static bool start(LampLook *l, Vec3f direction)
 {
-    Path *path = look->path;
-    Tracer *tracer = path->tracer, *looker = tracer->looker;
-    const LookPlace *from = look->from;
-    Ray ray;
-    if (from->event) {
-        bool through = vec3f_dot(direction, from->place->geometric) < 0;
-        path_start_ray(path, from->event, from->place, through, direction, &ray);
-    } else {
-        ray_begin(&ray, from->place->position, direction);
-        ray.time = path->ray.time;
-    }
-    slab_begin_look(path, looker, look->index_lane, &look->look);
-    look->look.ray = ray;
-    if (path_cross_towards(tracer, &ray, &looker->list)) return true;
-    tracer->out_of_memory = true;
-    return false;
-}
-
-static bool goes_on(Path *look, Event *event)
-{
-    path_next_event(look, event);
-    if (event->kind == EVENT_LOST) look->tracer->out_of_memory = true;
-    return event->kind == EVENT_OPAQUE || event->kind == EVENT_BOUNDARY;
-}
-
-/* By the faces of a way. */
-static bool follow_faces(Path *look, const LampWay *way)
-{
-    const uint32_t most = look->tracer->world->max_bounces;
-    for (uint32_t i = 0; i < way->n; look->bounce++) {
-        Event event;
-        SlabFace face;
-        if (!goes_on(look, &event) || look->n_counted++ >= most) return false;
-        if (event.kind == EVENT_OPAQUE) {
-            if (!slab_cross_pane(look, &event)) return false;
-            continue;
-        }
-        if (!slab_look_at_face(look, &event, &face) || face.number != way->numbers[i]) return false;
-        bool mirrored = way->faces[i++].mirrored;
-        if (!mirrored && !face.passes) return false;
-        look->beta = lanes_mul(look->beta, mirrored ? face.reflectance : lanes_rest(face.reflectance));
-        path_leave(look, &event, &face.place, !mirrored,
-                   mirrored ? reflect_direction(look->ray.direction, face.place.normal) : face.refracted);
-    }
-    return !lanes_zero(look->beta);
+    return slab_start_look(l->path, l->from, l->index_lane, direction, &l->look);
 }
 
 /* On from the last face to a lamp that has a surface. */
 static bool follow_to_surface(Path *look, uint32_t emitter, Event *event)
 {
     const World *world = look->tracer->world;
-    for (; goes_on(look, event) && event->kind == EVENT_OPAQUE; look->bounce++) {
+    for (; slab_look_goes_on(look, event) && event->kind == EVENT_OPAQUE; look->bounce++) {
         if (emitter_of_hit(&world->emitters, &event->hit) == emitter) return true;
         if (look->n_counted++ >= world->max_bounces || !slab_cross_pane(look, event)) return false;
     }
@@ -473,20 +341,21 @@ static bool see_point(const LampLook *l, const LightSample *light, Vec3 place, c
 }
 
 /* A look by the faces of a way at the place of a light, which becomes one in its direction; false: nothing comes by there. */
-static bool look_by(LampLook *l, const LampWay *way, Vec3 place, LightSample *light, Lanes *arrives)
+static bool look_by(LampLook *l, const FaceWay *way, Vec3 place, LightSample *light, Lanes *arrives)
 {
     Vec3 direction;
     FlatRay bent;
     if (!flat_way_find(way->faces, way->n, l->from->place->position, place, &direction, &bent)) return false;
     light->direction = vec3f_from(direction);
-    if (!is_in_front(l->from->normal, light->direction) || !start(l, light->direction) || !follow_faces(&l->look, way))
+    if (!is_in_front(l->from->normal, light->direction) || !start(l, light->direction) ||
+        !slab_follow_faces(&l->look, way))
         return false;
     light->arrives = arrives;
     return light->delta ? see_point(l, light, place, &bent, arrives)
                         : see_surface(l, light->emitter, place, &bent, &light->pdf_w, arrives);
 }
 
-static bool find_straight(LampLook *l, const LightSample *light, LampWay *way)
+static bool find_straight(LampLook *l, const LightSample *light, FaceWay *way)
 {
     if (!start(l, light->direction)) return false;
     l->look.ray.t_max = light->distance;
@@ -497,7 +366,7 @@ static bool find_straight(LampLook *l, const LightSample *light, LampWay *way)
 }
 
 /* Those that are known of a beam's way that is mirrored, or in the straight line. */
-static bool find_route(LampLook *l, const LightSample *light, LampWay *way)
+static bool find_route(LampLook *l, const LightSample *light, FaceWay *way)
 {
     if (LIKELY(!l->mirrored)) return find_straight(l, light, way);
     slab_begin_look(l->path, l->path->tracer->looker, l->index_lane, &l->look);
@@ -507,7 +376,7 @@ static bool find_route(LampLook *l, const LightSample *light, LampWay *way)
 
 /* The faces up to the light. Where each wavelength would come another way, and the path does not know yet by whose indices it goes,
  * its sample's second path is to begin before. */
-static bool find_way(LampLook *l, const LightSample *light, Vec3 place, LampWay *way)
+static bool find_way(LampLook *l, const LightSample *light, Vec3 place, FaceWay *way)
 {
     Path *path = l->path;
     Vec3 direction;
@@ -524,14 +393,14 @@ static bool find_way(LampLook *l, const LightSample *light, Vec3 place, LampWay 
 }
 
 /* What comes to and fro between two of a way's faces. */
-static void look_again(LampLook *l, const LampWay *way, Vec3 place, LightLooks *looks)
+static void look_again(LampLook *l, const FaceWay *way, Vec3 place, LightLooks *looks)
 {
     const Sampler *sampler = &l->path->sampler;
     LightSample *light = &looks->lights[looks->n];
     uint32_t n_pairs = count_pairs(way);
     float u = sampler_1d(sampler, sampler_dimension(l->look.bounce, DIM_LOBE)) / looked_again;
     if (!n_pairs || u >= 1) return;
-    LampWay again;
+    FaceWay again;
     go_to_and_fro(way, (uint32_t)(u * (float)n_pairs), &again);
     float chosen = looked_again / (float)n_pairs;
     if (!look_by(l, &again, place, light, &looks->arrives[looks->n])) return;
@@ -567,7 +436,7 @@ static void look_straight(Path *path, const LookPlace *from, LightLooks *looks)
         return;
     const Vec3 place = place_of(path, position, light);
     LampLook look;
-    LampWay way;
+    FaceWay way;
     if (!begin_look(path, from, false, &look)) return;
     bool found = is_in_front(from->normal, light->direction) && find_way(&look, light, place, &way);
     if (!found) light->pdf_w = 0; /* nor is it seen straight */
@@ -618,7 +487,7 @@ static void look_at_beam(Path *path, const LookPlace *from, LightLooks *looks)
                            .delta = !has_area,
                            .pdf_w = (float)density};
     LampLook look;
-    LampWay way;
+    FaceWay way;
     if (!begin_look(path, from, true, &look)) return;
     look.mirrored = at.mirrored;
     if (find_way(&look, light, at.place, &way) && way.n > 0) {

@@ -8,9 +8,7 @@
 /* A look's flights have numbers beyond those of all paths and probes. */
 enum { FIRST_BOUNCE = 1 << 25 };
 
-/* Whether the index of a medium is that of what is outside; elsewhere what leaves in the direction of its start is a light's one
- * direction of all, and would count by what it fills of the sky there. */
-static bool is_as_outside(const Path *path, uint32_t medium)
+bool slab_is_as_outside(const Path *path, uint32_t medium)
 {
     const World *world = path->tracer->world;
     const Lanes nm = path->wavelengths.nm;
@@ -22,7 +20,7 @@ void slab_meet_face(Path *path, const Event *event, uint64_t face, bool mirrored
     const float parallel = 1 - 1e-6f;
     SlabWay *way = &path->slab_way;
     if (!path_is_in_slabs(path)) {
-        *way = (SlabWay){.outside = is_as_outside(path, event->crossing.medium_from),
+        *way = (SlabWay){.outside = slab_is_as_outside(path, event->crossing.medium_from),
                          .to_and_fro = true,
                          .first_face = ray_point(&path->ray, event->hit.t),
                          .direction = path->ray.direction,
@@ -171,7 +169,7 @@ bool slab_shadow(Path *path, const Ray *ray, Lanes *transmittance)
         tracer->out_of_memory = true;
         return false;
     }
-    if (!is_as_outside(path, nest_medium(&looker->list))) return false;
+    if (!slab_is_as_outside(path, nest_medium(&looker->list))) return false;
     Look look = {.wanted = ray->direction};
     slab_begin_look(path, looker, -1, &look.path); /* each wavelength has its own, whichever the path takes for all */
     look.path.ray = *ray;

@@ -4,7 +4,7 @@
  * flat faces and to and fro between them, until it leaves the scene. Where it does so in the direction in which it was sent, the
  * light there is what was looked for, and counts by what the faces let through. A path that is scattered in that direction, and
  * goes through by chance, finds the same; both are weighed as where nothing is in the way. What leaves at another angle is none of
- * this, and neither is what starts where the index is another than outside; it is found as it was before. A look always goes
+ * this, and is found as it was before; of what starts where the index is another than outside see slab_sky.h. A look always goes
  * through each face, and is mirrored besides as often as the face reflects.
  *
  * The way of a look is that of the hero, for both paths of a sample (sample.c). The other wavelengths would go beside it, by some
@@ -39,6 +39,9 @@ static inline void slab_pass_pane(Path *path)
 {
     path->slab_way.bounce += path_is_in_slabs(path);
 }
+/* Whether the index of a medium is that of what is outside. From elsewhere light is looked for as slab_sky.h says: what left in the
+ * direction of its start would be a light's one direction of all, and count by what it fills of the sky there. */
+bool slab_is_as_outside(const Path *path, uint32_t medium);
 /* Whether what the path goes on in now is the direction in front of all slabs, and that was outside. */
 bool slab_keeps_direction(const Path *path);
 /* It leaves the scene behind slabs: if as it came to them, that way counts as straight. */

@@ -484,6 +484,79 @@ static void through_slabs(void **state)
     }
 }
 
+/* ---- from within what bends ---- */
+
+/* What diffuse light loses at a surface that it comes to from within, of that index: it is mirrored. */
+static double mirrored_within(double n)
+{
+    enum { STEPS = 200000 };
+    double sum = 0;
+    for (int i = 0; i < STEPS; i++) {
+        double sine2 = (i + 0.5) / STEPS;
+        sum += n * n * sine2 < 1 ? truth_fresnel(sqrt(1 - sine2), n, 1) : 1;
+    }
+    return sum / STEPS;
+}
+
+/* A wide pool of still water in a small sun, seen from outside: what comes in, and goes to and fro between bottom and surface. */
+static void sun_in_still_water(void **state)
+{
+    (void)state;
+    const double cosine = 3 / sqrt(14), n = 1.33, albedo = 0.8, seen = cos(atan(4.5 / 3));
+    const double passes = (1 - truth_fresnel(cosine, 1, n)) * (1 - truth_fresnel(seen, 1, n)) / (n * n),
+                 bottom = albedo / TRUTH_PI * 10 * cosine / (1 - albedo * mirrored_within(n));
+    RenderSettings looking = truth_small(4096);
+    looking.caustics = CAUSTICS_OFF;
+    truth_expect("the sun in still water", passes * bottom,
+                 truth_measure_as(FLOOR "medium water { ior = 1.33  state = liquid }\n"
+                                        "light { shape = distant  from = <2, 3, 1>  to = <0, 0, 0>  angle = .1deg  "
+                                        "power = 10 }\n"
+                                        "box { from = <-9000, -1, -9000>  to = <9000, 2, 9000>  interior = water }\n",
+                                  NULL, &looking),
+                 4, 0.002);
+}
+
+static void within_slabs(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *what, *around;
+        double resolution;
+    } cases[] = {
+        {"in a pool", "box { from = <-9, -1, -9>  to = <9, 9, 9>  interior = water }", 0.006},
+        {"in a block, aslant", "box { from = <-9, -9, -9>  to = <9, 9, 9>  rotate(<20, 30, 10>)  interior = glass }",
+         0.008},
+        {"in flint", "box { from = <-9, -1, -9>  to = <9, 9, 9>  interior = flint }", 0.01},
+        {"in water under glass and a pane",
+         "box { from = <-9, -1, -9>  to = <9, 9, 9>  interior = water }\n"
+         "box { from = <-20, 9, -20>  to = <20, 11, 20>  interior = glass }\n"
+         "box { from = <-90, 20, -90>  to = <90, 20.1, 0>  surface = pane }",
+         0.008},
+        {"in cloudy water", "box { from = <-9, -1, -9>  to = <9, 9, 9>  interior = murk }", 0.012},
+        {"on a leaf and a ball in water",
+         "box { from = <-9, -1, -9>  to = <9, 9, 9>  interior = water }\n"
+         "box { from = <-.5, .5, -.5>  to = <.5, .51, .5>  surface = surface { thin = true  albedo = .8  translucency "
+         "= .5 } }\n"
+         "sphere { center = <3, 3, 1>  radius = 1  surface = surface { albedo = .5  ior = 1.6  roughness = .3 } }",
+         0.01},
+        {"beside a ball of glass in water",
+         "box { from = <-9, -1, -9>  to = <9, 9, 9>  interior = water }\n"
+         "sphere { center = <1, 4, 1>  radius = 2  interior = glass }",
+         0.01},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        char text[2000];
+        snprintf(text, sizeof text,
+                 FLOOR PANE
+                 "medium glass { ior = 1.5  state = solid }  medium water { ior = 1.33  state = liquid }\n"
+                 "medium flint { ior = cauchy(1.7, .03)  state = solid }\n"
+                 "medium murk { ior = 1.33  scattering = .05 / 1mm  state = liquid }\n"
+                 "light { shape = distant  from = <1, 3, 1>  to = <0, 0, 0>  angle = 40deg  radiance = 3 }\n%s\n",
+                 cases[i].around);
+        truth_found_alike(cases[i].what, text, 4096, cases[i].resolution);
+    }
+}
+
 /* Holes of a sheet that stands in glass are not to be seen there, where a pane of another index would be. */
 static void holes_in_glass(void **state)
 {
@@ -551,6 +624,8 @@ int main(void)
         cmocka_unit_test(holes_in_glass),
         cmocka_unit_test(sun_through_slab),
         cmocka_unit_test(through_slabs),
+        cmocka_unit_test(sun_in_still_water),
+        cmocka_unit_test(within_slabs),
         cmocka_unit_test(double_glazing),
         cmocka_unit_test(lamps_of_lines),
     };

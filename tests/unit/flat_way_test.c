@@ -105,12 +105,47 @@ static void mirrored(void **state)
     assert_near(direction.x, 1 / 1.5, 1e-3);
 }
 
+/* What leaves in a direction starts in the one that leads there, and its steradians are those of the differences. */
+static void leaving(void **state)
+{
+    (void)state;
+    Dice dice = {7};
+    int n_left = 0;
+    for (int trial = 0; trial < 20000; trial++) {
+        FlatFace faces[4];
+        uint32_t n = (uint32_t)(dice_unit(&dice) * 4) + 1;
+        Vec3 start = dice_direction(&dice), back;
+        for (uint32_t i = 0; i < n; i++) {
+            Vec3 normal = vec3_normalize(vec3_along(dice_direction(&dice), 3, start));
+            if (i % 2) normal = vec3_scale(normal, -1);
+            faces[i] = (FlatFace){.normal = normal,
+                                  .offset = vec3_dot(normal, vec3_scale(start, 1 + i)),
+                                  .eta = 0.7 + 0.7 * dice_unit(&dice)};
+        }
+        FlatRay ray;
+        if (!flat_way_follow(faces, n, vec3(0, 0, 0), start, &ray)) continue;
+        n_left++;
+        double spread, turned = vec3_length(vec3_cross(ray.direction_turned[0], ray.direction_turned[1]));
+        assert_true(flat_way_leaving(faces, n, ray.direction, &back, &spread));
+        assert_near(vec3_length(vec3_sub(back, start)), 0, 1e-7);
+        assert_near(spread, turned, 1e-6 * (1 + turned));
+    }
+    printf("    %d ways left again\n", n_left);
+    assert_true(n_left > 10000);
+    /* nothing comes out of the dense at that angle */
+    FlatFace into = {.normal = vec3(0, 1, 0), .offset = 1, .eta = 1 / 1.5};
+    Vec3 direction;
+    double spread;
+    assert_false(flat_way_leaving(&into, 1, vec3_normalize(vec3(2, 1, 0)), &direction, &spread));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(layers),
         cmocka_unit_test(round_trips),
         cmocka_unit_test(mirrored),
+        cmocka_unit_test(leaving),
     };
     return cmocka_run_group_tests_name("flat ways", tests, NULL, NULL);
 }
