@@ -43,7 +43,9 @@ static const SightStep *bend_along(const Finder *finder, const SightLine *line)
     for (size_t i = 0; i < line->n; i++) {
         const SightStep *step = &line->steps[i];
         if (step->kind == SIGHT_OPAQUE) return NULL;
-        if (step->kind == SIGHT_BOUNDARY && slabs_face(&finder->slabs, step->operand, step->normal)) continue;
+        if (step->kind == SIGHT_BOUNDARY && slabs_are_looked_through(&finder->slabs, step->operand) &&
+            slabs_face(&finder->slabs, step->operand, step->normal))
+            continue;
         if (step->kind == SIGHT_BOUNDARY || step->kind == SIGHT_PAINTED)
             return loses_nothing(scene, step->object) ? NULL : step;
     }

@@ -18,10 +18,10 @@ typedef struct Finder {
 static bool lets_looks_through(const Finder *finder, uint32_t object)
 {
     const Scene *scene = finder->compiled->scene;
-    bool is_slab = finder->slabs.of_object[object] != SCENE_NONE, has_operands = false, all = true;
+    bool is_slab = slabs_are_looked_through(&finder->slabs, object), has_operands = false, all = true;
     for (uint32_t i = object + 1; i < scene->n_objects && scene->objects[i].part_of == object; i++) {
         has_operands = true;
-        all = all && finder->slabs.of_object[i] != SCENE_NONE;
+        all = all && slabs_are_looked_through(&finder->slabs, i);
     }
     return is_slab || (has_operands && all);
 }

@@ -217,12 +217,13 @@ static Status read_cluster(Parser *parser, const char *word)
     if (word[2] && find_name(command, word + 1, strlen(word + 1)) != OPTION_COUNT)
         return fail(parser->error, STATUS_USAGE, "unknown option '%s'; did you mean '-%s' (with two dashes)?", word,
                     word);
+    const char *habit = habit_of(command, word);
+    const bool whole_word = habit && word[2] >= 'a' && word[2] <= 'z'; /* "-samples" is not -s amples */
     for (const char *letter = word + 1; *letter && !parser->stop; letter++) {
         OptionKey key = find_letter(command, *letter);
-        if (key == OPTION_COUNT && letter == word + 1)
-            return fail(parser->error, STATUS_USAGE, "unknown option '%s'%s%s", word,
-                        habit_of(command, word) ? "; here it is " : "",
-                        habit_of(command, word) ? habit_of(command, word) : "");
+        if (letter == word + 1 && (key == OPTION_COUNT || whole_word))
+            return fail(parser->error, STATUS_USAGE, "unknown option '%s'%s%s", word, habit ? "; here it is " : "",
+                        habit ? habit : "");
         if (key == OPTION_COUNT)
             return fail(parser->error, STATUS_USAGE, "unknown option '-%c' in '%s'", *letter, word);
         const OptionRow *row = option_row(key);

@@ -172,7 +172,7 @@ static void say_what_it_could_be(Importer *im)
     if (item->closed)
         import_say(
             im,
-            "It is closed. To make it of glass: use \"std/media.mns\" as media, and interior = media.crown_glass in "
+            "It is closed. To make it of glass: use \"std/media.mns\" as media, and interior = media.clear_glass in "
             "place of surface.");
     else
         import_say(im, "It has %lu open edges, so it cannot be filled with glass; closed, it could.",

@@ -187,6 +187,9 @@ static Stmt *parse_bind(Parser *parser)
     } else if (parser->token.kind == TOKEN_NAME && !first_on_line(parser)) { /* let medium water = ... */
         Diagnostic *report = expected_error(parser, "'=' behind the name");
         if (report) diag_hint(parser->diag, report, "write: let %s = ...", parser->token.as.symbol->text);
+    } else if (parser->token.kind == TOKEN_PAREN_OPEN) { /* let f(x) = ... */
+        Diagnostic *report = expected_error(parser, "'=' behind the name");
+        if (report) diag_hint(parser->diag, report, "a function: def %s(...) = ...", stmt->as.bind.name->text);
     }
     const char *whole = arena_format(parser->arena, "%s %s = %s", word, stmt->as.bind.name->text, value);
     if (parse_no_value(parser, "'=' behind the name", whole)) return NULL;

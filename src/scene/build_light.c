@@ -158,8 +158,8 @@ static bool local_frame(Builder *b, const EvalNode *node, Affine *frame, bool *h
     return true;
 }
 
-/* The frame in the world, made rigid and right-handed; the lights are symmetric, so that a mirrored z axis is the same
- * light. */
+/* The frame in the world, made rigid and right-handed; all lights but those of a profile are symmetric, so that a mirrored z axis
+ * is the same light, and of a profile 'mirrored' says it. */
 static Affine rigid_frame(const Affine *to_world, const Affine *local)
 {
     Affine map = affine_compose(to_world, local);
@@ -254,7 +254,8 @@ void build_light(Builder *b, const EvalNode *node, const Affine *to_world)
                         .motion = SCENE_NONE,
                         .identity = b->where,
                         .hidden = !eval_truth(node, "visible")};
-    double scale = light.kind == LIGHT_DISTANT ? 1 : affine_even_scale(to_world, 1e-6);
+    /* to float: what turns does not change its size by a last bit, which motion.c would tell */
+    double scale = light.kind == LIGHT_DISTANT ? 1 : (double)(float)affine_even_scale(to_world, 1e-6);
     Affine frame;
     if (!check_properties(b, node, shape) || !local_frame(b, node, &frame, &light.hangs)) return;
     if (!(scale > 0)) {
@@ -272,6 +273,7 @@ void build_light(Builder *b, const EvalNode *node, const Affine *to_world)
     double half_angle = (angle ? angle->as.number : BUILD_SUNS_ANGLE) / 2 * MEN_DEGREE;
     if (angle && light.kind != LIGHT_DISTANT) set_cone(node, &light, angle->as.number);
     light.to_world = rigid_frame(to_world, &frame);
+    light.mirrored = affine_determinant(to_world) < 0;
     light.towards = vec3_scale(column(&light.to_world, 1), -1);
     light.cos_angle = cos(half_angle);
     if (light.kind == LIGHT_RECT || light.kind == LIGHT_PORTAL) {

@@ -347,6 +347,7 @@ static void add_lights(Hasher *h, const Scene *scene)
         if (light->kind == LIGHT_POINT) {
             const LightProfile *profile = light->profile;
             if (profile) add_integer(h, profile->type);
+            if (profile && light->mirrored) add_integer(h, light->mirrored);
             for (uint32_t k = 0; profile && k < profile->n_vertical; k++) add_number(h, (double)profile->vertical[k]);
             for (uint32_t k = 0; profile && k < profile->n_horizontal; k++)
                 add_number(h, (double)profile->horizontal[k]);

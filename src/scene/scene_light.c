@@ -85,7 +85,10 @@ static double profile_at(const LightProfile *profile, Vec3 direction)
 
 float light_shape(const SceneLight *light, Vec3 direction)
 {
-    if (light->profile) return (float)profile_at(light->profile, direction);
+    if (light->profile) {
+        if (light->mirrored) direction.z = -direction.z;
+        return (float)profile_at(light->profile, direction);
+    }
     if (direction.y >= light->cos_full) return 1;
     if (direction.y <= light->cos_none) return 0;
     double part = (direction.y - light->cos_none) / (light->cos_full - light->cos_none);

@@ -51,6 +51,7 @@ typedef struct SceneLight {
     bool hangs;                  /* along its node's y axis: how it is turned about its own is of no meaning */
     Vec3 towards;                /* LIGHT_DISTANT: unit, from the scene to the light */
     double cos_angle;            /* LIGHT_DISTANT: of the cone's half angle */
+    bool mirrored;               /* by its transforms, as of a profile shows: z is the other way round in it */
     const LightProfile *profile; /* LIGHT_POINT: NULL, or instead of what cos_full says; cos_none bounds it */
     double cos_full,
         cos_none; /* as bright as ever within the first angle from +y, dark beyond the other; 0 of LIGHT_RECT and LIGHT_DISC

@@ -113,6 +113,35 @@ static bool is_slab(const SceneShape *shape, const Affine *map, SlabAxes *slab)
     return paired > most * faces.area;
 }
 
+/* The axes of a solid's flat faces, but for small ones; false: there are none. */
+static bool has_flats(const SceneShape *shape, SlabAxes *slab)
+{
+    const double least = 0.02; /* of the surface */
+    Faces faces = {.shape = shape};
+    slab->n = 0;
+    add_surface(&faces);
+    while (faces.n < SLAB_AXES && vec3_length(faces.largest) > 0) {
+        uint32_t i = faces.n++;
+        faces.axes[i] = vec3_normalize(faces.largest);
+        add_surface(&faces);
+        if (faces.towards[i] + faces.against[i] < least * faces.area) break;
+        slab->axes[slab->n++] = vec3f_from(faces.axes[i]);
+    }
+    return slab->n > 0;
+}
+
+typedef enum SlabKind {
+    SLAB_NONE,
+    SLAB_PAIRED,
+    SLAB_PLANE,
+    SLAB_BASIN /* a solid with flat faces that are not paired, or are not most of it */
+} SlabKind;
+
+static bool is_plane(const SceneShape *shape)
+{
+    return shape->solid && shape->solid->n_pieces == 1 && shape->solid->pieces[0].kind == PIECE_PLANE;
+}
+
 static bool may_be_slab(const SceneShape *shape)
 {
     bool has_flat = shape->mesh != NULL;
@@ -127,26 +156,45 @@ static bool may_be_slab(const SceneShape *shape)
 /* Shapes that many objects share are looked at once. */
 typedef struct Finder {
     const CompiledScene *compiled;
-    SlabAxes *of_shape; /* in its own frame; n 0: it is none */
-    bool *shape_known;  /* of each shape */
+    SlabAxes *of_shape; /* in its own frame */
+    SlabKind *kind_of_shape;
+    bool *shape_known; /* of each shape */
 } Finder;
+
+/* In the shape's own frame. */
+static SlabKind kind_of(const SceneShape *shape, SlabAxes *slab)
+{
+    if (is_slab(shape, NULL, slab)) return SLAB_PAIRED;
+    return shape->solid && has_flats(shape, slab) ? SLAB_BASIN : SLAB_NONE;
+}
+
+static void map_axes(const Affine *map, const SlabAxes *own, SlabAxes *slab)
+{
+    slab->n = own->n;
+    for (uint32_t i = 0; i < own->n; i++)
+        slab->axes[i] = vec3f_from(vec3_normalize(affine_area(map, vec3_from_f(own->axes[i]))));
+}
 
 /* A map keeps faces parallel, but where it stretches unevenly others are most of the surface: then shapes of few parts are looked
  * at as they are in the world. */
-static bool find_slab(Finder *finder, const SceneObject *object, SlabAxes *slab)
+static SlabKind find_slab(Finder *finder, const SceneObject *object, SlabAxes *slab)
 {
     enum { FEW = 256 };
     const SceneShape *shape = &finder->compiled->scene->shapes[object->shape];
     SlabAxes *known = &finder->of_shape[object->shape];
-    if (!may_be_slab(shape)) return false;
+    SlabKind *kind = &finder->kind_of_shape[object->shape];
+    if (is_plane(shape)) {
+        map_axes(&object->to_world, &(SlabAxes){.axes = {{0, 1, 0}}, .n = 1}, slab);
+        return SLAB_PLANE;
+    }
+    if (!may_be_slab(shape)) return SLAB_NONE;
     bool few = !shape->mesh || shape->mesh->n_triangles <= FEW;
-    if (few && !(affine_even_scale(&object->to_world, 1e-9) > 0)) return is_slab(shape, &object->to_world, slab);
-    if (!finder->shape_known[object->shape] && !is_slab(shape, NULL, known)) known->n = 0;
+    if (few && !(affine_even_scale(&object->to_world, 1e-9) > 0) && is_slab(shape, &object->to_world, slab))
+        return SLAB_PAIRED;
+    if (!finder->shape_known[object->shape]) *kind = kind_of(shape, known);
     finder->shape_known[object->shape] = true;
-    slab->n = known->n;
-    for (uint32_t i = 0; i < known->n; i++)
-        slab->axes[i] = vec3f_from(vec3_normalize(affine_area(&object->to_world, vec3_from_f(known->axes[i]))));
-    return slab->n > 0;
+    map_axes(&object->to_world, known, slab);
+    return *kind;
 }
 
 /* Whether light goes through an object's surface as through smooth glass wherever it meets it, and always at the same place. */
@@ -168,6 +216,38 @@ static bool bends(const CompiledScene *compiled, uint32_t object)
     return compiled_indices_differ(compiled->scene, medium, NEST_WORLD_MEDIUM);
 }
 
+/* How much room there is. */
+typedef struct Capacities {
+    size_t items, boxes, planes, basins;
+} Capacities;
+
+static bool add_box(Box3 **boxes, size_t *capacity, uint32_t *n, Box3 box)
+{
+    if (!array_reserve(boxes, capacity, *n + 1U, sizeof **boxes)) return false;
+    (*boxes)[(*n)++] = box;
+    return true;
+}
+
+static bool add_plane(Slabs *slabs, size_t *capacity, const SceneObject *object, const SlabAxes *slab)
+{
+    if (!array_reserve(&slabs->planes, capacity, slabs->n_planes + 1U, sizeof *slabs->planes)) return false;
+    Vec3 normal = vec3_from_f(slab->axes[0]);
+    slabs->planes[slabs->n_planes++] = (SlabPlane){normal, vec3_dot(normal, object->to_world.t)};
+    return true;
+}
+
+/* Where it is, so that looks know when to expect it. */
+static bool add_bending(Slabs *slabs, Capacities *has, SlabKind kind, const SceneObject *object, const SlabAxes *slab,
+                        Box3 box)
+{
+    if (kind == SLAB_PLANE) return add_plane(slabs, &has->planes, object, slab);
+    bool basin = kind == SLAB_BASIN;
+    Box3 *bounds = basin ? &slabs->basin_bounds : &slabs->bounds;
+    *bounds = box3_union(*bounds, box);
+    return basin ? add_box(&slabs->basins, &has->basins, &slabs->n_basins, box)
+                 : add_box(&slabs->boxes, &has->boxes, &slabs->n_boxes, box);
+}
+
 /* Puts one more into the set; false when memory ends. */
 static bool add_slab(Slabs *slabs, size_t *capacity, uint32_t object, const SlabAxes *slab)
 {
@@ -184,26 +264,33 @@ static bool is_within_one(const Slabs *slabs, Box3 box)
     return false;
 }
 
+/* False when memory ends. */
+static bool find_one(Finder *finder, Slabs *slabs, Capacities *has, uint32_t number, bool bending)
+{
+    const Scene *scene = finder->compiled->scene;
+    const SceneObject *object = &scene->objects[number];
+    SlabAxes slab;
+    if (!is_clear(finder->compiled, number) || bends(finder->compiled, number) != bending ||
+        (!bending && !slabs->n_boxes))
+        return true;
+    SlabKind kind = find_slab(finder, object, &slab);
+    if (kind == SLAB_NONE) return true;
+    Box3 box = scene_object_bounds(scene, object, NULL);
+    if (!bending && (kind != SLAB_PAIRED || !is_within_one(slabs, box))) return true;
+    slab.within = kind == SLAB_BASIN;
+    return add_slab(slabs, &has->items, number, &slab) &&
+           (!bending || add_bending(slabs, has, kind, object, &slab, box));
+}
+
 /* First those that bend light, and then what is within them. False when memory ends. */
 static bool find_all(Finder *finder, Slabs *slabs)
 {
     const Scene *scene = finder->compiled->scene;
-    size_t capacity = 0, boxes_capacity = 0;
+    Capacities has = {0};
+    for (uint32_t i = 0; i < scene->n_objects; i++) slabs->of_object[i] = SCENE_NONE;
     for (int bending = 1; bending >= 0; bending--)
-        for (uint32_t i = 0; i < scene->n_objects; i++) {
-            SlabAxes slab;
-            if (bending) slabs->of_object[i] = SCENE_NONE;
-            if (!is_clear(finder->compiled, i) || bends(finder->compiled, i) != bending ||
-                (!bending && !slabs->n_boxes) || !find_slab(finder, &scene->objects[i], &slab))
-                continue;
-            Box3 box = scene_object_bounds(scene, &scene->objects[i], NULL);
-            if (!bending && !is_within_one(slabs, box)) continue;
-            if (!add_slab(slabs, &capacity, i, &slab)) return false;
-            if (!bending) continue;
-            if (!array_reserve(&slabs->boxes, &boxes_capacity, slabs->n_boxes + 1U, sizeof *slabs->boxes)) return false;
-            slabs->boxes[slabs->n_boxes++] = box;
-            slabs->bounds = box3_union(slabs->bounds, box);
-        }
+        for (uint32_t i = 0; i < scene->n_objects; i++)
+            if (!find_one(finder, slabs, &has, i, bending)) return false;
     return true;
 }
 
@@ -211,22 +298,27 @@ Status slabs_find(const CompiledScene *compiled, Slabs *slabs, Error *error)
 {
     const Scene *scene = compiled->scene;
     Finder finder = {.compiled = compiled};
-    *slabs = (Slabs){.bounds = box3_empty()};
+    *slabs = (Slabs){.bounds = box3_empty(), .basin_bounds = box3_empty()};
     slabs->of_object = malloc((scene->n_objects + (size_t)1) * sizeof *slabs->of_object);
     finder.of_shape = malloc((scene->n_shapes + (size_t)1) * sizeof *finder.of_shape);
+    finder.kind_of_shape = malloc((scene->n_shapes + (size_t)1) * sizeof *finder.kind_of_shape);
     finder.shape_known = calloc(scene->n_shapes + (size_t)1, sizeof *finder.shape_known);
-    bool good = slabs->of_object && finder.of_shape && finder.shape_known && find_all(&finder, slabs);
+    bool good =
+        slabs->of_object && finder.of_shape && finder.kind_of_shape && finder.shape_known && find_all(&finder, slabs);
     free(finder.of_shape);
+    free(finder.kind_of_shape);
     free(finder.shape_known);
     if (good) return STATUS_OK;
     slabs_clear(slabs);
-    return fail_memory(error, scene->n_objects * sizeof *slabs->items, "bodies with parallel faces");
+    return fail_memory(error, scene->n_objects * sizeof *slabs->items, "bodies with flat faces");
 }
 
 void slabs_clear(Slabs *slabs)
 {
     free(slabs->items);
     free(slabs->boxes);
+    free(slabs->planes);
+    free(slabs->basins);
     free(slabs->of_object);
     *slabs = (Slabs){0};
 }
@@ -239,14 +331,40 @@ static bool may_come_to(const Box3 *box, Vec3 from, Vec3 to)
            (from.z < box->max.z || to.z < box->max.z) && (from.z > box->min.z || to.z > box->min.z);
 }
 
-bool slabs_are_on_way(const Slabs *slabs, Vec3 from, Vec3f direction, double distance)
+/* Of more boxes that around all of them tells. */
+enum { MOST_BOXES = 32 };
+
+static bool boxes_are_on_way(const Slabs *slabs, Vec3 from, Vec3 to, Vec3 direction)
 {
-    enum { MOST = 32 }; /* of more the box around all of them tells */
-    const Vec3 d = vec3_from_f(direction), to = vec3_along(from, double_min(distance, 1e30), d);
     double enter, leave;
     if (!slabs->n_boxes || !may_come_to(&slabs->bounds, from, to)) return false;
-    if (slabs->n_boxes > MOST) return box3_cut(&slabs->bounds, from, d, &enter, &leave);
+    if (slabs->n_boxes > MOST_BOXES) return box3_cut(&slabs->bounds, from, direction, &enter, &leave);
     for (uint32_t i = 0; i < slabs->n_boxes; i++)
-        if (may_come_to(&slabs->boxes[i], from, to) && box3_cut(&slabs->boxes[i], from, d, &enter, &leave)) return true;
+        if (may_come_to(&slabs->boxes[i], from, to) && box3_cut(&slabs->boxes[i], from, direction, &enter, &leave))
+            return true;
     return false;
+}
+
+static bool crosses_plane(const Slabs *slabs, Vec3 from, Vec3 to)
+{
+    for (uint32_t i = 0; i < slabs->n_planes; i++) {
+        const SlabPlane *plane = &slabs->planes[i];
+        if ((vec3_dot(plane->normal, from) < plane->offset) != (vec3_dot(plane->normal, to) < plane->offset))
+            return true;
+    }
+    return false;
+}
+
+static bool is_in_basin(const Slabs *slabs, Vec3 from)
+{
+    if (!slabs->n_basins || !box3_holds_point(slabs->basin_bounds, from)) return false;
+    for (uint32_t i = 0; i < slabs->n_basins && slabs->n_basins <= MOST_BOXES; i++)
+        if (box3_holds_point(slabs->basins[i], from)) return true;
+    return slabs->n_basins > MOST_BOXES;
+}
+
+bool slabs_are_on_way(const Slabs *slabs, Vec3 from, Vec3f direction, double distance)
+{
+    const Vec3 d = vec3_from_f(direction), to = vec3_along(from, double_min(distance, 1e30), d);
+    return boxes_are_on_way(slabs, from, to, d) || crosses_plane(slabs, from, to) || is_in_basin(slabs, from);
 }

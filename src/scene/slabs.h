@@ -1,35 +1,54 @@
-/* slabs.h - bodies with parallel faces: window panes, table tops, blocks of glass.
+/* slabs.h - bodies with flat faces: window panes, table tops, blocks of glass, still water.
  *
- * Light of the sky and of the sun leaves them in the direction in which it came, and the way of a lamp's light through flat faces is
- * known in closed form. So looks for light go on through them (slab_look.h, slab_lamp.h), where at any other boundary they end.
+ * Light of the sky and of the sun leaves bodies with parallel faces in the direction in which it came, and the way of light through given
+ * flat faces is known in closed form. So looks for light go on through them (slab_look.h, slab_lamp.h, slab_sky.h), where at any other
+ * boundary they end.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_SLABS_H
 #define MEN_SLABS_H
 
 #include "scene/compile.h"
 
-/* Its faces look along these axes, to both sides of each, and are most of what its surface is. */
+/* Its faces look along these axes. */
 enum { SLAB_AXES = 3 };
 typedef struct SlabAxes {
     Vec3f axes[SLAB_AXES]; /* unit */
     uint32_t n;
+    bool within; /* looks go through its faces from within it alone */
 } SlabAxes;
 
-/* All of a scene that are smooth and stand still. Those of the index of what is outside, as the air in double glazing, count
+/* The points p of normal . p = offset. */
+typedef struct SlabPlane {
+    Vec3 normal;
+    double offset;
+} SlabPlane;
+
+/* All of a scene that are smooth and stand still: those of which most of the surface is faces that are parallel in pairs, planes, and
+ * solids with any flat face, as a drink has at its top. Those of the index of what is outside, as the air in double glazing, count
  * where they are within the box of one that is not: a line from outside then comes to that box first. */
 typedef struct Slabs {
     SlabAxes *items;
     uint32_t *of_object; /* SCENE_NONE: it is none */
     uint32_t n;
-    Box3 *boxes, bounds; /* around each of those that bend light which comes from outside, and around all of these */
-    uint32_t n_boxes;
+    /* Of those that bend light which comes from outside: around each with parallel faces, and around all of these; */
+    Box3 *boxes, bounds;
+    SlabPlane *planes;
+    Box3 *basins,
+        basin_bounds; /* and around solids with other flat faces, by which light is looked for from within alone */
+    uint32_t n_boxes, n_planes, n_basins;
 } Slabs;
 
 /* STATUS_NOMEM. */
 ATTR_NODISCARD Status slabs_find(const CompiledScene *compiled, Slabs *slabs, Error *error);
 void slabs_clear(Slabs *slabs);
 
-/* Which of a slab's parallel faces an object's surface is where it has that normal, of all of the scene: a number of its own; 0: none. */
+/* Whether looks go through flat faces of an object from wherever they come. */
+static inline bool slabs_are_looked_through(const Slabs *slabs, uint32_t object)
+{
+    uint32_t number = slabs->of_object[object];
+    return number != SCENE_NONE && !slabs->items[number].within;
+}
+/* Which of a slab's flat faces an object's surface is where it has that normal, of all of the scene: a number of its own; 0: none. */
 static inline uint64_t slabs_face(const Slabs *slabs, uint32_t object, Vec3f normal)
 {
     const float parallel = 1 - 1e-6f;
@@ -42,7 +61,7 @@ static inline uint64_t slabs_face(const Slabs *slabs, uint32_t object, Vec3f nor
     }
     return 0;
 }
-/* Whether a line from outside may come to any of them, within a distance. */
+/* Whether looks along a line go through such faces, as there may be some within a distance. */
 bool slabs_are_on_way(const Slabs *slabs, Vec3 from, Vec3f direction, double distance);
 
 #endif

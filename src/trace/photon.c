@@ -38,7 +38,8 @@ static bool is_looked_at(const Path *path, const LightSample *light, const Ray *
 {
     const Vec3 place = vec3_from_f(photon->position);
     if (isfinite(light->distance)) return slab_lamp_is_looked_at(path, light->emitter, begin, place);
-    return slab_keeps_direction(path) || slab_sky_is_looked_at(path, vec3f_negate(begin->direction), place);
+    const Vec3f outward = vec3f_negate(begin->direction);
+    return slab_keeps_direction(path, place, outward) || slab_sky_is_looked_at(path, outward, place);
 }
 
 /* Follows a photon from a light to where it ends; false: to no place of use. */

@@ -329,9 +329,11 @@ static Frame frame_of(const Path *path, const Event *event, const SceneSurface *
     if (!(length > 1e-4f)) return frame; /* the axis of a lathe, or an end of a straight grain */
     across = vec3f_scale(across, 1 / length);
     Vec3f beside = vec3f_cross(frame.z, across);
-    /* turned as seen from outside: scratches stay where they are when they are looked at from within */
+    /* turned as seen from outside of the object as it was described: scratches stay where they are when they are looked at from
+     * within, and a mirrored object is the mirror image */
+    const bool mirrored = affine_determinant(&to_world) < 0;
     float c = (float)cos(surface->grain_angle),
-          s = (float)sin(surface->grain_angle) * (event->hit.entering ? 1.0f : -1.0f);
+          s = (float)sin(surface->grain_angle) * (event->hit.entering != mirrored ? 1.0f : -1.0f);
     frame.x = vec3f_along(vec3f_scale(across, c), s, beside);
     frame.y = vec3f_cross(frame.z, frame.x);
     return frame;

@@ -168,7 +168,8 @@ static bool finds_way(const Path *path, Vec3 from, uint32_t emitter, Vec3 to, Ve
     const double distance = vec3_length(vec3_sub(to, near));
     look.ray.t_max = distance - light_short_of(distance, cosine, to);
     look.ray.target = ball_of(world, emitter);
-    bool found = slab_find_list(&look) && find_faces_past(&look, false, 0, way, often);
+    bool found = slabs_are_on_way(&world->slabs, near, look.ray.direction, distance) && slab_find_list(&look) &&
+                 find_faces_past(&look, false, 0, way, often);
     tracer_take_back(path->tracer);
     if (!found || !one_pair) return found && slab_steps_of(way) == gone->steps;
     const FaceWay straight = *way;

@@ -44,15 +44,16 @@ static bool is_same_direction(Vec3f a, Vec3f b)
     return vec3f_dot(between, between) < apart * apart;
 }
 
-bool slab_keeps_direction(const Path *path)
+bool slab_keeps_direction(const Path *path, Vec3 from, Vec3f direction)
 {
-    return path->slab_way.outside && is_same_direction(path->ray.direction, path->slab_way.direction);
+    return path->slab_way.outside && is_same_direction(path->ray.direction, path->slab_way.direction) &&
+           slabs_are_on_way(&path->tracer->world->slabs, from, direction, HUGE_VAL);
 }
 
 void slab_leave_scene(Path *path)
 {
     const SlabWay *way = &path->slab_way;
-    if (!slab_keeps_direction(path)) return;
+    if (!slab_keeps_direction(path, path->scatter_point, way->direction)) return;
     path->ray.direction = way->direction;
     path->scatter_pdf = way->scatter_pdf;
     path->from.rarity = way->rarity;

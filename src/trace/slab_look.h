@@ -42,8 +42,9 @@ static inline void slab_pass_pane(Path *path)
 /* Whether the index of a medium is that of what is outside. From elsewhere light is looked for as slab_sky.h says: what left in the
  * direction of its start would be a light's one direction of all, and count by what it fills of the sky there. */
 bool slab_is_as_outside(const Path *path, uint32_t medium);
-/* Whether what the path goes on in now is the direction in front of all slabs, and that was outside. */
-bool slab_keeps_direction(const Path *path);
+/* Whether what the path goes on in now is the direction in front of all slabs, and that was outside; and looks would go so. from,
+ * direction: of such a look. */
+bool slab_keeps_direction(const Path *path, Vec3 from, Vec3f direction);
 /* It leaves the scene behind slabs: if as it came to them, that way counts as straight. */
 void slab_leave_scene(Path *path);
 

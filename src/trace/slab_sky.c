@@ -113,6 +113,7 @@ void slab_leave_for_sky(Path *path)
     SkyWay way;
     if (!(gone->scatter_pdf >= 0 || (path->probing.is_probe && !gone->bent)) ||
         !is_in_front(path->scatter_normal, path->ray.direction) ||
+        !slabs_are_on_way(&path->tracer->world->slabs, path->scatter_point, path->ray.direction, HUGE_VAL) ||
         !would_find(path, slab_right_beside(path->scatter_point, gone->first_face), path->ray.direction, &way))
         return;
     Vec3f apart = vec3f_sub(vec3f_from(way.direction), gone->direction);
@@ -126,5 +127,6 @@ bool slab_sky_is_looked_at(const Path *photon, Vec3f outward, Vec3 place)
     SkyWay way;
     const World *world = photon->tracer->world;
     return (world->reach_through[nest_medium(&photon->tracer->list)] & REACH_FAR) &&
+           slabs_are_on_way(&world->slabs, place, outward, HUGE_VAL) &&
            would_find(photon, slab_right_beside(place, photon->ray.origin), outward, &way);
 }

@@ -49,6 +49,7 @@ refuses "unknown option '--width'; here it is --size 640x480" render small.mns -
 refuses "unknown option '-H480'; here it is --size 640x480" render small.mns -H480
 refuses "unknown option '--quality'; here it is -s 32" render small.mns --quality 9
 refuses "unknown option '--samples'; here it is --spp 32" render small.mns --samples 32
+refuses "unknown option '-samples'; here it is --spp 32" render small.mns -samples 32
 refuses "unknown option '--out'; here it is --output picture.exr" render small.mns --out a.exr
 refuses "unknown option '--out'" check small.mns --out a.exr
 refuses "unknown option '-Y'" render small.mns -Y

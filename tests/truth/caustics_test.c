@@ -233,9 +233,10 @@ static void same_mean(void **state)
 
 /* ---- seas ---- */
 
-/* A sea over a bottom, in the sun, without end or as a box so large that nothing tells. */
-#define SEA "plane { distance = 6000  interior = water }\n"
-#define LARGE_BOX "box { interior = water  from = <-3e6, -1000, -3e6>  to = <3e6, 6000, 3e6> }\n"
+/* A sea over a bottom, in the sun, without end or as a box so large that nothing tells. Not quite flat: else looks find all. */
+#define WAVES "  surface = surface { bump = noise { scale(900) }  bump_height = .001 }"
+#define SEA "plane { distance = 6000  interior = water" WAVES " }\n"
+#define LARGE_BOX "box { interior = water  from = <-3e6, -1000, -3e6>  to = <3e6, 6000, 3e6>" WAVES " }\n"
 #define SEA_LIGHT                                                                                                      \
     "medium water { ior = 1.333  state = liquid } ground { surface = surface { albedo = .5 } }\n"                      \
     "environment { color = .1 }\n"                                                                                     \

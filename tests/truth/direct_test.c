@@ -526,6 +526,10 @@ static void within_slabs(void **state)
         {"in a pool", "box { from = <-9, -1, -9>  to = <9, 9, 9>  interior = water }", 0.006},
         {"in a block, aslant", "box { from = <-9, -9, -9>  to = <9, 9, 9>  rotate(<20, 30, 10>)  interior = glass }",
          0.008},
+        {"in a sea", "plane { translate(<0, 9, 0>)  interior = water }", 0.006},
+        {"in a drink", "cylinder { from = <0, -1, 0>  to = <0, 9, 0>  radius = 5  interior = water }", 0.01},
+        {"under the stem of a column", "cylinder { from = <0, 7, 0>  to = <0, 30, 0>  radius = 6  interior = glass }",
+         0.01},
         {"in flint", "box { from = <-9, -1, -9>  to = <9, 9, 9>  interior = flint }", 0.01},
         {"in water under glass and a pane",
          "box { from = <-9, -1, -9>  to = <9, 9, 9>  interior = water }\n"

@@ -95,14 +95,20 @@ static void under_water(void **state)
 {
     (void)state;
     double r = truth_fresnel(1, 1, 1.33), apart = 12 + 28 * 1.33;
-    RenderSettings looking = truth_small(256);
-    looking.caustics = CAUSTICS_OFF;
-    looking.bounces = 2;
-    truth_expect("a lamp above still water, seen from its floor", 0.8 * 3e3 * pow(0.05 / apart, 2) * (1 - r),
-                 truth_measure_as(BENCH "light { shape = sphere  from = <0, 40, 0>  radius = .05  radiance = 3e3 }\n"
-                                        "box { from = <-900, -1, -900>  to = <900, 12, 900>  interior = water }\n",
-                                  NULL, &looking),
-                 4, 0.002);
+    static const char *const waters[] = {"box { from = <-900, -1, -900>  to = <900, 12, 900>",
+                                         "plane { translate(<0, 12, 0>)"};
+    for (size_t i = 0; i < COUNT_OF(waters); i++) {
+        char text[1000];
+        RenderSettings looking = truth_small(256);
+        looking.caustics = CAUSTICS_OFF;
+        looking.bounces = 2;
+        snprintf(text, sizeof text,
+                 BENCH
+                 "light { shape = sphere  from = <0, 40, 0>  radius = .05  radiance = 3e3 }\n%s  interior = water }\n",
+                 waters[i]);
+        truth_expect("a lamp above still water, seen from its floor", 0.8 * 3e3 * pow(0.05 / apart, 2) * (1 - r),
+                     truth_measure_as(text, NULL, &looking), 4, 0.002);
+    }
 }
 
 /* Balls of one power, of which some lamps are points: through water aslant light comes from another part of them than is seen straight,

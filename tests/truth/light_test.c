@@ -188,6 +188,37 @@ static void profile(void **state)
     fixture_clear(&scene);
 }
 
+/* What a mirrored group shows is the mirror image: of a lamp that is another one to each side, and of brushed metal. The camera looks
+ * at what is in the mirror's plane, and is in it or sees something matte. */
+static void mirror_images(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *what, *begin, *objects, *mirror;
+    } cases[] = {
+        {"a lopsided lamp, mirrored", FLOOR,
+         "light { shape = point  profile = \"tests/unit/lopsided.ies\"  from = <0, 20, -20> }", "scale(<1, 1, -1>)"},
+        {"the same, the other way", FLOOR,
+         "light { shape = point  profile = \"tests/unit/lopsided.ies\"  from = <-20, 20, 5> }", "scale(<-1, 1, 1>)"},
+        {"grain that is turned, mirrored",
+         "meniscus 1.0 unit mm camera { from = <0, 1, 1>  to = <0, 0, 0>  fov = .01deg }\n",
+         "plane { surface = surface { metal = silver  roughness = .3  anisotropy = .9  grain = x  grain_angle = 30 } "
+         "}\n"
+         "light { shape = disc  from = <.8, 1, -1>  to = <0, 0, 0>  radius = .2  radiance = 500 }",
+         "scale(<-1, 1, 1>)"},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        Estimate seen[2];
+        for (int mirrored = 0; mirrored < 2; mirrored++) {
+            char text[1000];
+            snprintf(text, sizeof text, "%sgroup { %s  %s }\n", cases[i].begin, cases[i].objects,
+                     mirrored ? cases[i].mirror : "");
+            seen[mirrored] = truth_measure(text, NULL, 1024, false);
+        }
+        truth_alike(cases[i].what, seen[1], seen[0], 4, 0.005);
+    }
+}
+
 /* A pixel looks down a ray of white fog of albedo 1 so thin that it scatters once: sigma / (4 pi) times the integral of
  * I / d^2 along the ray, which for a light at distance h from it is sigma I / (4 pi h) times the angle seen from the
  * light. */
@@ -423,6 +454,7 @@ int main(void)
         cmocka_unit_test(portals),
         cmocka_unit_test(portals_in_a_room),
         cmocka_unit_test(profile),
+        cmocka_unit_test(mirror_images),
     };
     return cmocka_run_group_tests_name("light", tests, NULL, NULL);
 }

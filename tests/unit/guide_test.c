@@ -755,7 +755,7 @@ static void flux(void **state)
     lit_clear(&lit);
 }
 
-/* Of a sea without end photons are sent to tiles around what the camera sees of it, some denser than others: what lands on the bottom
+/* Of a sea without end, which is not quite flat, as looks would find all through a flat one, photons are sent to tiles around what the camera sees of it, some denser than others: what lands on the bottom
  * is what comes to it in the sun, in each of them. */
 static void tiles(void **state)
 {
@@ -766,7 +766,7 @@ static void tiles(void **state)
     Error error;
     uint64_t rays = 0;
     lit_make(&lit, FIXTURE_MEDIA
-             "plane { distance = 2  interior = glass }\n"
+             "plane { distance = 2  interior = glass  surface = surface { bump = noise { }  bump_height = 1e-6 } }\n"
              "ground { surface = surface { albedo = .5 } } camera { from = <0, 40, 0>  to = <0, 0, -40> fov = 60 }\n"
              "light { shape = \"distant\"  from = <0, 1, 0>  to = <0, 0, 0>  angle = .5deg  power = 1 }\n");
     const PhotonTargets *targets = &lit.targets;
