@@ -28,6 +28,13 @@ static bool is_mistake(const CompiledScene *compiled, const HullPair *pair)
            (first->state == NEST_SOLID && second->state == NEST_LIQUID);
 }
 
+static bool are_both_solid(const CompiledScene *compiled, const HullPair *pair)
+{
+    const NestHull *hulls = compiled->hulls;
+    return hulls[compiled->hull_of_object[pair->a]].state == NEST_SOLID &&
+           hulls[compiled->hull_of_object[pair->b]].state == NEST_SOLID;
+}
+
 /* By how much to let two objects overlap: a thousandth of the smaller one's size or the gap itself, whichever is more,
  * as a round number. */
 static double good_overlap(const CompiledScene *compiled, const HullPair *pair)
@@ -57,6 +64,9 @@ static void warn_of_gap(const CompiledScene *compiled, const HullPair *pair, uin
     diag_note(diag, report, a->span, "%s is here", a->name);
     if (pair->wedge)
         diag_hint(diag, report, "let them overlap all along: the overlap is resolved");
+    else if (are_both_solid(compiled, pair))
+        diag_hint(diag, report, "right where one stands on the other; to make them one piece, let them overlap by %s",
+                  buf_text(&overlap));
     else
         diag_hint(diag, report, "let them overlap by %s: the overlap is resolved", buf_text(&overlap));
     buf_clear(&gap);
