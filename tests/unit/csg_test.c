@@ -201,6 +201,138 @@ static void volumes_are_measured(void **state)
     fixture_clear(&scene);
 }
 
+/* A ball of radius 3 less a bore of that radius through its middle. */
+static double pierced_ball(double bore)
+{
+    return 4 * pi / 3 * pow(9 - bore * bore, 1.5);
+}
+
+static double volume_of(const Fixture *scene, const char *name)
+{
+    return scene->compiled->hulls[scene->compiled->hull_of_object[fixture_object(scene, name)]].volume;
+}
+
+/* To what lines can tell; and to rounding as many times as large as that of a prototype, if it shares that one's. */
+static void assert_volume(const Fixture *scene, const char *name, double expected, const char *prototype, double factor)
+{
+    double volume = volume_of(scene, name);
+    if (fabs(volume - expected) > 5e-3 * expected) fail_msg("%s: %.9g, expected %.9g", name, volume, expected);
+    double shared = factor * volume_of(scene, prototype);
+    bool shares = fabs(volume - shared) < 1e-12 * shared;
+    if (shares != (factor > 0)) fail_msg("%s: %.17g, %s has %.17g", name, volume, prototype, shared);
+}
+
+/* Nearly all of a pierced ball at a key is in the box where it is said to be, which is not much larger. */
+static void assert_found(const Fixture *scene, const char *name, uint32_t key)
+{
+    const uint32_t object = fixture_object(scene, name), ball = object + 1;
+    const Box3 box = scene->compiled->found_bounds[scene->compiled->hull_of_object[object]];
+    const Affine *keys = scene_keys(scene->scene, &scene->scene->objects[ball]);
+    const Affine place = keys ? keys[key] : scene->scene->objects[ball].to_world;
+    Box3 seen = box3_empty();
+    Dice dice = {9};
+    for (int i = 0; i < 100000; i++) {
+        Vec3 p = dice_point(&dice, 1); /* in a ball of radius 1 */
+        if (vec3_length(p) > 1 || p.x * p.x + p.z * p.z < 1.0 / 9) continue;
+        Vec3 there = affine_point(&place, p);
+        if (!box3_holds_point(box, there)) fail_msg("%s is beyond its box", name);
+        seen = box3_add_point(seen, there);
+    }
+    Vec3 size = vec3_sub(box.max, box.min), least = vec3_sub(seen.max, seen.min);
+    if (!keys) assert_true(size.x < 1.2 * least.x && size.y < 1.2 * least.y && size.z < 1.2 * least.z);
+}
+
+#define PIERCED(bore)                                                                                                  \
+    "interior = glass sphere { radius = 3 } cylinder { from = <0, -4, 0> to = <0, 4, 0> radius = " bore " } "
+
+static void instances_share_what_is_measured(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        double bore, factor;
+        bool shares;
+    } cases[] = {
+        {"d other { translate(<20, 7, 0>) }", 1, 1, true},
+        {"d other { rotate(x, 35) translate(<20, 0, 0>) interior = water }", 1, 1, true},
+        {"d other { rotate(z, 50) scale(<-3, 1, .5>) rotate(x, 35) translate(<30, 0, 0>) priority = 3 }", 1, 1.5, true},
+        {"d other { scale(1e-2) rotate(x, 77) translate(<200, 0, 0>) }", 1, 1e-6, true},
+        {"d other { translate(<2e5, 1e5, 0>) }", 1, 1, false}, /* in coarse numbers */
+        {"group { group { d other { scale(<1, -1, 1>) } scale(2) } translate(<30, 4, 4>) }", 1, 8, true},
+        {"difference other { " PIERCED("1") " translate(<20, .1, 0>) }", 1, 1, true},
+        {"difference other { " PIERCED("2") " translate(<20, 0, 0>) }", 2, 1, false},
+        {"difference other { " PIERCED("1.00001") " translate(<20, 0, 0>) }", 1, 1, false},
+        {"difference other { interior = glass sphere { radius = 3 } cylinder { from = <0, -4, 0> to = <0, 4, 0> radius "
+         "= "
+         "1 translate(<1e-5, 0, 0>) } translate(<20, 0, 0>) }",
+         1, 1, false},
+        {"difference other { " PIERCED("1") " sphere { radius = .9 } translate(<20, 0, 0>) }", 1, 1, false},
+        {"difference { surface = surface { } sphere { radius = 3 } cylinder { from = <0, -4, 0> to = <0, 4, 0> radius "
+         "= "
+         "1 } translate(<40, 0, 0>) } d other { translate(<20, 0, 0>) }",
+         1, 1, true},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        char text[1500];
+        Fixture scene;
+        snprintf(text, sizeof text, FIXTURE_MEDIA "let d = difference { " PIERCED("1") "} d first { } %s" FIXTURE_VIEW,
+                 cases[i].text);
+        fixture_compile(&scene, text, 1 + i % 2);
+        assert_volume(&scene, "first", pierced_ball(1), "first", 1);
+        assert_volume(&scene, "other", cases[i].factor * pierced_ball(cases[i].bore), "first",
+                      cases[i].shares ? cases[i].factor : 0);
+        assert_found(&scene, "first", 0);
+        if (cases[i].bore == 1) assert_found(&scene, "other", 0);
+        fixture_clear(&scene);
+    }
+    /* the operation counts, too */
+    Fixture scene;
+    fixture_compile(&scene,
+                    FIXTURE_MEDIA "difference first { " PIERCED("1") "} intersection other { " PIERCED(
+                        "1") "translate(<20, 0, 0>) }" FIXTURE_VIEW,
+                    1);
+    assert_volume(&scene, "other", 4 * pi / 3 * 27 - pierced_ball(1), "first", 0);
+    fixture_clear(&scene);
+}
+
+#define SHUTTER " camera { from = <0, 0, 1000>  to = <0, 0, 0>  shutter = 180deg  shutter_steps = 2 } environment { } "
+
+/* What moves has its mean volume, shared where its operands keep together. */
+static void what_moves_shares_what_is_measured(void **state)
+{
+    (void)state;
+    const double mean_cube = (pow(1.5, 4) - 1) / (4 * 0.5); /* of a number that grows from 1 to 1.5 */
+    static const char moving[] = "d grows { scale(1 + clock) translate(<40 + 10 * clock, 0, 0>) } ";
+    static const char others[] =
+        "d shifts { rotate(x, 20) translate(<0, 30 + 3 * clock, 0>) } d stays { translate(<0, 60, 0>) } "
+        "difference parts { interior = glass sphere { radius = 3 } cylinder { from = <0, -4, 0> to = <0, 4, 0> radius "
+        "= 1 "
+        "  translate(<.2 * clock, 0, 0>) } translate(<0, 90, 0>) }";
+    char text[2000];
+    Fixture scene;
+    for (int alone = 0; alone < 2; alone++) { /* measured itself, and shared */
+        snprintf(text, sizeof text, FIXTURE_MEDIA "let d = difference { " PIERCED("1") "} %s %s %s" SHUTTER,
+                 alone ? "" : "d first { }", moving, alone ? "" : others);
+        fixture_compile(&scene, text, 2);
+        const char *from = alone ? "grows" : "first";
+        assert_volume(&scene, "grows", mean_cube * pierced_ball(1), from, alone ? 1 : mean_cube);
+        for (uint32_t key = 0; key < 3; key++) assert_found(&scene, "grows", key);
+        if (!alone) {
+            assert_volume(&scene, "stays", pierced_ball(1), from, 1);
+            assert_volume(&scene, "shifts", pierced_ball(1), from, 1);
+            assert_volume(&scene, "parts", pierced_ball(1), from, 0);
+            for (uint32_t key = 0; key < 3; key++) assert_found(&scene, "shifts", key);
+        }
+        fixture_clear(&scene);
+    }
+    /* of the measured one, too */
+    snprintf(text, sizeof text, FIXTURE_MEDIA "let d = difference { " PIERCED("1") "} %s d stays { }" SHUTTER, moving);
+    fixture_compile(&scene, text, 2);
+    assert_volume(&scene, "stays", pierced_ball(1), "grows", 1 / mean_cube);
+    assert_found(&scene, "stays", 0);
+    fixture_clear(&scene);
+}
+
 /* Inside the pierced cube of the scene below, by its formula. */
 static bool in_pierced_cube(Vec3 p)
 {
@@ -320,6 +452,8 @@ int main(void)
         cmocka_unit_test(operands_show),
         cmocka_unit_test(lists_hold_what_the_operands_make_up),
         cmocka_unit_test(volumes_are_measured),
+        cmocka_unit_test(instances_share_what_is_measured),
+        cmocka_unit_test(what_moves_shares_what_is_measured),
         cmocka_unit_test(interiors_of_points_are_found),
         cmocka_unit_test(planes_divide_space),
         cmocka_unit_test(mistakes_are_reported),
