@@ -623,6 +623,15 @@ static double fineness_left(const ImplicitOptions *options, bool jumps, const La
     return jumps && n_triangles ? fmin(fineness, sqrt(JUMP_TRIANGLES / (double)n_triangles)) : fineness;
 }
 
+/* By what the step is to be multiplied for the distance to become the tolerance. Chords are off by the square of their length; a little
+ * more. But where they are off by much of a step, as where a sheet is about as thin, they do not follow the surface yet, and
+ * how far they are off says nothing of finer ones: then it is halved, and looked at again. */
+static double finer_step(double tolerance, double distance, double step)
+{
+    const double follows = 0.1, least = distance < follows * step ? 0.1 : 0.5;
+    return fmin(fmax(0.85 * sqrt(tolerance / distance), least), 0.75);
+}
+
 Status mesh_make_implicit(const ImplicitField *field, const ImplicitOptions *options, const char *what, Mesh **mesh,
                           ImplicitFound *found, Error *error)
 {
@@ -651,10 +660,9 @@ Status mesh_make_implicit(const ImplicitField *field, const ImplicitOptions *opt
         if (status != STATUS_OK) return status;
         found->reached = distance;
         if (distance <= options->tolerance) break;
-        /* chords are off by the square of their length; a little more, and not beyond what is allowed */
         fineness = fineness_left(options, found->jumps, &lattice, made->n_triangles);
         if (found->jumps && fineness < 1) break;
-        double finer = fmin(fmax(0.85 * sqrt(options->tolerance / distance), 0.1), 0.75);
+        double finer = finer_step(options->tolerance, distance, step); /* and not beyond what is allowed */
         step *= fmax(finer, fmin(1 / fineness * 1.001, 0.97));
     }
     return STATUS_OK;

@@ -313,7 +313,7 @@ static void meshes_are_the_same_without_bounds_and_threads(void **state)
 
 /* ---- jumps ---- */
 
-static Mesh *mesh_of(const char *text, double tolerance, ImplicitFound *found, uint64_t *asked)
+static Mesh *mesh_of_cells(const char *text, double tolerance, uint32_t cells, ImplicitFound *found, uint64_t *asked)
 {
     Run run;
     Error error;
@@ -321,11 +321,16 @@ static Mesh *mesh_of(const char *text, double tolerance, ImplicitFound *found, u
     Asked with = {open_function(&run, text), 0};
     const ImplicitField field = {&with, give_layer, give_value, NULL, NULL, NULL};
     const ImplicitOptions options = {
-        .bounds = {{-1.1, -1.2, -1.3}, {1.3, 1.2, 1.1}}, .tolerance = tolerance, .cells = 40, .max_points = 4000000};
+        .bounds = {{-1.1, -1.2, -1.3}, {1.3, 1.2, 1.1}}, .tolerance = tolerance, .cells = cells, .max_points = 4000000};
     assert_int_equal(mesh_make_implicit(&field, &options, "this", &mesh, found, &error), STATUS_OK);
     *asked = with.n;
     run_close(&run);
     return mesh;
+}
+
+static Mesh *mesh_of(const char *text, double tolerance, ImplicitFound *found, uint64_t *asked)
+{
+    return mesh_of_cells(text, tolerance, 40, found, asked);
 }
 
 /* A ball whose inside is told by a step is that of a function with a slope, in places and normals, and found with no finer grid. */
@@ -391,6 +396,27 @@ static void jumps_and_others(void **state)
     }
 }
 
+/* A sheet of about a step's thickness takes no finer a grid than it needs, however coarse that was to begin with. */
+static void thin_sheets(void **state)
+{
+    (void)state;
+    static const char text[] = "f(p) = .2 - abs(sin(300 * p.x) * cos(300 * p.y) + sin(300 * p.y) * cos(300 * p.z) + "
+                               "sin(300 * p.z) * cos(300 * p.x))";
+    const double tolerance = 1.2e-3;
+    const uint32_t cells[] = {24, 48, 96};
+    uint32_t n_triangles[COUNT_OF(cells)];
+    for (size_t i = 0; i < COUNT_OF(cells); i++) {
+        ImplicitFound found;
+        uint64_t asked;
+        Mesh *mesh = mesh_of_cells(text, tolerance, cells[i], &found, &asked);
+        n_triangles[i] = mesh->n_triangles;
+        printf("    a sheet, from %u cells: %u triangles, within %.2g\n", cells[i], mesh->n_triangles, found.reached);
+        assert_true(found.reached <= tolerance);
+        assert_true(n_triangles[i] < 1.2 * n_triangles[0] && n_triangles[i] > 0.8 * n_triangles[0]);
+        mesh_free(mesh);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -400,6 +426,7 @@ int main(void)
         cmocka_unit_test(meshes_are_the_same_without_bounds_and_threads),
         cmocka_unit_test(a_jump_is_a_surface),
         cmocka_unit_test(jumps_and_others),
+        cmocka_unit_test(thin_sheets),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
