@@ -93,41 +93,32 @@ static void add_surface(Faces *faces)
         add_solid(faces, faces->shape->solid);
 }
 
+/* The axes of a body's flat faces, but for small ones, the largest first; of all of its surface, the part that they are. paired: faces
+ * count that there are to both sides of their axis. */
+static double find_axes(const SceneShape *shape, const Affine *map, bool paired, SlabAxes *slab)
+{
+    const double least = 0.02; /* of the surface, of one axis */
+    Faces faces = {.shape = shape, .map = map};
+    double flat = 0;
+    slab->n = 0;
+    add_surface(&faces);
+    while (faces.n < SLAB_AXES && vec3_length(faces.largest) > 0) {
+        uint32_t i = faces.n++;
+        faces.axes[i] = vec3_normalize(faces.largest);
+        add_surface(&faces);
+        double towards = faces.towards[i], against = faces.against[i];
+        double area = paired ? 2 * fmin(towards, against) : towards + against;
+        if (area < least * faces.area) break;
+        flat += area;
+        slab->axes[slab->n++] = vec3f_from(faces.axes[i]);
+    }
+    return flat / faces.area;
+}
+
 /* Whether most of a body's surface are parallel faces; of rounded edges and the rim of a disc there is less. */
 static bool is_slab(const SceneShape *shape, const Affine *map, SlabAxes *slab)
 {
-    const double most = 0.5, least = 0.02; /* of all together, of one axis */
-    Faces faces = {.shape = shape, .map = map};
-    double paired = 0;
-    slab->n = 0;
-    add_surface(&faces);
-    while (faces.n < SLAB_AXES && vec3_length(faces.largest) > 0) {
-        uint32_t i = faces.n++;
-        faces.axes[i] = vec3_normalize(faces.largest);
-        add_surface(&faces);
-        double pair = 2 * fmin(faces.towards[i], faces.against[i]);
-        if (pair < least * faces.area) break;
-        paired += pair;
-        slab->axes[slab->n++] = vec3f_from(faces.axes[i]);
-    }
-    return paired > most * faces.area;
-}
-
-/* The axes of a solid's flat faces, but for small ones; false: there are none. */
-static bool has_flats(const SceneShape *shape, SlabAxes *slab)
-{
-    const double least = 0.02; /* of the surface */
-    Faces faces = {.shape = shape};
-    slab->n = 0;
-    add_surface(&faces);
-    while (faces.n < SLAB_AXES && vec3_length(faces.largest) > 0) {
-        uint32_t i = faces.n++;
-        faces.axes[i] = vec3_normalize(faces.largest);
-        add_surface(&faces);
-        if (faces.towards[i] + faces.against[i] < least * faces.area) break;
-        slab->axes[slab->n++] = vec3f_from(faces.axes[i]);
-    }
-    return slab->n > 0;
+    return find_axes(shape, map, true, slab) > 0.5;
 }
 
 typedef enum SlabKind {
@@ -161,11 +152,11 @@ typedef struct Finder {
     bool *shape_known; /* of each shape */
 } Finder;
 
-/* In the shape's own frame. */
-static SlabKind kind_of(const SceneShape *shape, SlabAxes *slab)
+/* Of a shape as a map makes it, or in its own frame: NULL. */
+static SlabKind kind_of(const SceneShape *shape, const Affine *map, SlabAxes *slab)
 {
-    if (is_slab(shape, NULL, slab)) return SLAB_PAIRED;
-    return shape->solid && has_flats(shape, slab) ? SLAB_BASIN : SLAB_NONE;
+    if (is_slab(shape, map, slab)) return SLAB_PAIRED;
+    return shape->solid && find_axes(shape, map, false, slab) > 0 ? SLAB_BASIN : SLAB_NONE;
 }
 
 static void map_axes(const Affine *map, const SlabAxes *own, SlabAxes *slab)
@@ -189,9 +180,8 @@ static SlabKind find_slab(Finder *finder, const SceneObject *object, SlabAxes *s
     }
     if (!may_be_slab(shape)) return SLAB_NONE;
     bool few = !shape->mesh || shape->mesh->n_triangles <= FEW;
-    if (few && !(affine_even_scale(&object->to_world, 1e-9) > 0) && is_slab(shape, &object->to_world, slab))
-        return SLAB_PAIRED;
-    if (!finder->shape_known[object->shape]) *kind = kind_of(shape, known);
+    if (few && !(affine_even_scale(&object->to_world, 1e-9) > 0)) return kind_of(shape, &object->to_world, slab);
+    if (!finder->shape_known[object->shape]) *kind = kind_of(shape, NULL, known);
     finder->shape_known[object->shape] = true;
     map_axes(&object->to_world, known, slab);
     return *kind;

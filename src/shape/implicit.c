@@ -625,10 +625,11 @@ static double fineness_left(const ImplicitOptions *options, bool jumps, const La
 
 /* By what the step is to be multiplied for the distance to become the tolerance. Chords are off by the square of their length; a little
  * more. But where they are off by much of a step, as where a sheet is about as thin, they do not follow the surface yet, and
- * how far they are off says nothing of finer ones: then it is halved, and looked at again. */
-static double finer_step(double tolerance, double distance, double step)
+ * how far they are off says nothing of finer ones: then it is halved, and looked at again. Steps of a function that jumps are never
+ * followed. */
+static double finer_step(double tolerance, double distance, double step, bool jumps)
 {
-    const double follows = 0.1, least = distance < follows * step ? 0.1 : 0.5;
+    const double follows = 0.1, least = jumps || distance < follows * step ? 0.1 : 0.5;
     return fmin(fmax(0.85 * sqrt(tolerance / distance), least), 0.75);
 }
 
@@ -662,7 +663,8 @@ Status mesh_make_implicit(const ImplicitField *field, const ImplicitOptions *opt
         if (distance <= options->tolerance) break;
         fineness = fineness_left(options, found->jumps, &lattice, made->n_triangles);
         if (found->jumps && fineness < 1) break;
-        double finer = finer_step(options->tolerance, distance, step); /* and not beyond what is allowed */
+        double finer =
+            finer_step(options->tolerance, distance, step, found->jumps); /* and not beyond what is allowed */
         step *= fmax(finer, fmin(1 / fineness * 1.001, 0.97));
     }
     return STATUS_OK;

@@ -22,6 +22,11 @@ typedef struct FaceWay {
 bool slab_find_faces(Path *look, bool past, FaceWay *way);
 /* A hash of all of them, as SlabWay.steps. */
 uint64_t slab_steps_of(const FaceWay *way);
+/* Whether a surface takes light from that direction; normal: as LightQuery's. */
+static inline bool slab_is_in_front(Vec3f normal, Vec3f direction)
+{
+    return vec3f_dot(normal, normal) == 0 || vec3f_dot(direction, normal) > 0;
+}
 /* A place right beside where a way began, on it: on what it began is known no more. */
 Vec3 slab_right_beside(Vec3 from, Vec3 towards);
 /* The list of the look there, where its ray starts; false when memory ends. */

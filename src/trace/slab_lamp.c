@@ -104,12 +104,6 @@ static uint32_t ball_of(const World *world, uint32_t emitter)
     return light && light->kind == LIGHT_SPHERE ? light->object : RTC_NO_OBJECT;
 }
 
-/* Whether a surface takes light from that direction; normal: as LightQuery's. */
-static bool is_in_front(Vec3f normal, Vec3f direction)
-{
-    return vec3f_dot(normal, normal) == 0 || vec3f_dot(direction, normal) > 0;
-}
-
 /* Of a lamp's place that a ray has come to by faces, per steradian of directions from where it began: by looks that choose it
  * straight. */
 static float straight_density(const World *world, const LightRival *look, const Ray *ray, const Hit *hit,
@@ -122,7 +116,7 @@ static float straight_density(const World *world, const LightRival *look, const 
     seen.t = distance;
     seen.cos_normal = vec3_dot(vec3_from_f(hit->normal), to) / distance;
     straight.time = ray->time;
-    if (!is_in_front(look->normal, straight.direction) || (seen.cos_normal < 0) != hit->entering) return 0;
+    if (!slab_is_in_front(look->normal, straight.direction) || (seen.cos_normal < 0) != hit->entering) return 0;
     double pdf_w = (double)light_pdf_hit(world, look->choices, from, look->normal, &straight, &seen);
     double spread = flat_ray_spread(bent, place) / (distance * distance);
     return (float)(pdf_w * spread * fabs(seen.cos_normal / hit->cos_normal));
@@ -348,7 +342,7 @@ static bool look_by(LampLook *l, const FaceWay *way, Vec3 place, LightSample *li
     FlatRay bent;
     if (!flat_way_find(way->faces, way->n, l->from->place->position, place, &direction, &bent)) return false;
     light->direction = vec3f_from(direction);
-    if (!is_in_front(l->from->normal, light->direction) || !start(l, light->direction) ||
+    if (!slab_is_in_front(l->from->normal, light->direction) || !start(l, light->direction) ||
         !slab_follow_faces(&l->look, way))
         return false;
     light->arrives = arrives;
@@ -439,7 +433,7 @@ static void look_straight(Path *path, const LookPlace *from, LightLooks *looks)
     LampLook look;
     FaceWay way;
     if (!begin_look(path, from, false, &look)) return;
-    bool found = is_in_front(from->normal, light->direction) && find_way(&look, light, place, &way);
+    bool found = slab_is_in_front(from->normal, light->direction) && find_way(&look, light, place, &way);
     if (!found) light->pdf_w = 0; /* nor is it seen straight */
     if (found && way.n) {
         looks->lights[1] = *light;
@@ -455,7 +449,7 @@ static bool is_bent(const Path *path, const LookPlace *from, uint32_t emitter, V
 {
     const World *world = path->tracer->world;
     const Vec3 position = from->place->position;
-    if (!slabs_are_on_way(&world->slabs, position, direction, distance) || !is_in_front(from->normal, direction))
+    if (!slabs_are_on_way(&world->slabs, position, direction, distance) || !slab_is_in_front(from->normal, direction))
         return false;
     return ball_of(world, emitter) != RTC_NO_OBJECT ||
            !(light_shines_at(world, emitter, path->ray.time, place, position) &&

@@ -21,12 +21,6 @@ static bool find_way(Path *look, SkyWay *way)
                             &way->spread);
 }
 
-/* Whether a surface takes light from that direction; normal: as LightQuery's. */
-static bool is_in_front(Vec3f normal, Vec3f direction)
-{
-    return vec3f_dot(normal, normal) == 0 || vec3f_dot(direction, normal) > 0;
-}
-
 /* ---- looks ---- */
 
 /* Of a look that was started. By whose indices it goes: where each wavelength comes another way, and the path does not know yet by which
@@ -62,10 +56,11 @@ static bool follow(Path *path, const LookPlace *from, const LightSample *light, 
 static bool look_by(Path *path, const LookPlace *from, Path *look, LightSample *light, Lanes *arrives)
 {
     SkyWay way;
-    if (!is_in_front(from->normal, light->direction) || !find_way_by_indices(path, from, light->direction, look, &way))
+    if (!slab_is_in_front(from->normal, light->direction) ||
+        !find_way_by_indices(path, from, light->direction, look, &way))
         return false;
     Vec3f direction = vec3f_from(way.direction);
-    if (!is_in_front(from->normal, direction) || !follow(path, from, light, &way, look->index_lane, arrives))
+    if (!slab_is_in_front(from->normal, direction) || !follow(path, from, light, &way, look->index_lane, arrives))
         return false;
     light->direction = direction;
     light->pdf_w *= (float)way.spread;
@@ -112,7 +107,7 @@ void slab_leave_for_sky(Path *path)
     const SlabWay *gone = &path->slab_way;
     SkyWay way;
     if (!(gone->scatter_pdf >= 0 || (path->probing.is_probe && !gone->bent)) ||
-        !is_in_front(path->scatter_normal, path->ray.direction) ||
+        !slab_is_in_front(path->scatter_normal, path->ray.direction) ||
         !slabs_are_on_way(&path->tracer->world->slabs, path->scatter_point, path->ray.direction, HUGE_VAL) ||
         !would_find(path, slab_right_beside(path->scatter_point, gone->first_face), path->ray.direction, &way))
         return;
