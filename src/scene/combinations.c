@@ -246,6 +246,7 @@ Status combinations_measure(CompiledScene *compiled, Pool *pool, Error *error)
 {
     static const char what[] = "the volumes of combinations";
     uint32_t n_trees = compiled->csg.n_trees, *first = NULL;
+    if (!n_trees) return STATUS_OK;
     uint32_t *memory = malloc(3 * (size_t)n_trees * sizeof *memory);
     if (!memory) return fail_memory(error, 3 * (size_t)n_trees * sizeof *memory, what);
     uint32_t *trees = memory, *sorted = memory + n_trees, *end = sorted + n_trees;
