@@ -30,11 +30,11 @@ typedef struct Slabs {
     SlabAxes *items;
     uint32_t *of_object; /* SCENE_NONE: it is none */
     uint32_t n;
-    /* Of those that bend light which comes from outside: around each with parallel faces, and around all of these; */
+    /* Of those that bend light which comes from outside: around each with parallel faces, and around all of these; planes; and around
+     * solids with other flat faces, by which light is looked for from within alone */
     Box3 *boxes, bounds;
     SlabPlane *planes;
-    Box3 *basins,
-        basin_bounds; /* and around solids with other flat faces, by which light is looked for from within alone */
+    Box3 *basins, basin_bounds;
     uint32_t n_boxes, n_planes, n_basins;
 } Slabs;
 

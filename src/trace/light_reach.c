@@ -110,8 +110,8 @@ static Status find_straight(World *world, Error *error)
     return STATUS_OK;
 }
 
-/* All lights may be seen from within whatever has flat faces. But where a medium scatters light that comes straight, it is looked for along
- * the way (airlight.h), and these looks are weighed against those from places as among the same lights. */
+/* All lights may be seen from within whatever has flat faces. But where a medium scatters light that comes straight, it is looked
+ * for along the way (airlight.h), and these looks are weighed against those from places as among the same lights. */
 static void find_through(World *world)
 {
     const CompiledScene *compiled = world->compiled;

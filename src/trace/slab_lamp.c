@@ -208,8 +208,7 @@ float slab_lamp_density(Path *path, const Hit *hit)
     const World *world = path->tracer->world;
     const SlabWay *gone = &path->slab_way;
     uint32_t emitter = emitter_of_hit(&world->emitters, hit);
-    bool scattered = gone->scatter_pdf >= 0 || (path->probing.is_probe && !gone->bent);
-    if (!scattered || emitter == EMITTER_NONE || world->emitters.emitters[emitter].cut) return 0;
+    if (!slab_way_has_rival(path) || emitter == EMITTER_NONE || world->emitters.emitters[emitter].cut) return 0;
     if (gone->n_mirrored == 1) return density_mirrored(path, emitter, hit);
     Vec3 from = path->scatter_point, to = ray_point(&path->ray, hit->t);
     FaceWay way;

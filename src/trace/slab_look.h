@@ -26,6 +26,11 @@ static inline bool path_is_in_slabs(const Path *path)
 {
     return UNLIKELY(path->slab_way.bounce == path->bounce);
 }
+/* Whether a look could have found what the path finds by its way: it was scattered in front of it, or is a probe that was sent there. */
+static inline bool slab_way_has_rival(const Path *path)
+{
+    return path->slab_way.scatter_pdf >= 0 || (path->probing.is_probe && !path->slab_way.bent);
+}
 /* The number of the slab's face that a boundary is, see slabs_face; 0: it is none. place: where it is met. */
 static inline uint64_t slab_face_at(const World *world, const Hit *hit, const SurfacePlace *place)
 {

@@ -106,8 +106,7 @@ void slab_leave_for_sky(Path *path)
     const float same = 1e-3f;
     const SlabWay *gone = &path->slab_way;
     SkyWay way;
-    if (!(gone->scatter_pdf >= 0 || (path->probing.is_probe && !gone->bent)) ||
-        !slab_is_in_front(path->scatter_normal, path->ray.direction) ||
+    if (!slab_way_has_rival(path) || !slab_is_in_front(path->scatter_normal, path->ray.direction) ||
         !slabs_are_on_way(&path->tracer->world->slabs, path->scatter_point, path->ray.direction, HUGE_VAL) ||
         !would_find(path, slab_right_beside(path->scatter_point, gone->first_face), path->ray.direction, &way))
         return;
