@@ -77,15 +77,6 @@ Vec3 slab_right_beside(Vec3 from, Vec3 towards)
     return vec3_along(from, part, vec3_sub(towards, from));
 }
 
-bool slab_find_list(Path *look)
-{
-    Tracer *tracer = look->tracer;
-    bool known = compiled_interior(tracer->world->compiled, vec3f_from(look->ray.origin), look->ray.time,
-                                   &tracer->shadow_hits, &tracer->list, NULL) == STATUS_OK;
-    tracer->out_of_memory |= !known;
-    return known;
-}
-
 /* ---- looks ---- */
 
 bool slab_start_look(Path *path, const LookPlace *from, int index_lane, Vec3f direction, Path *look)
@@ -104,6 +95,17 @@ bool slab_start_look(Path *path, const LookPlace *from, int index_lane, Vec3f di
     if (path_cross_towards(tracer, &ray, &looker->list)) return true;
     tracer->out_of_memory = true;
     return false;
+}
+
+bool slab_start_beside(const Path *path, Tracer *looker, Vec3 beside, Vec3f direction, Path *look)
+{
+    slab_begin_look(path, looker, path->index_lane, look);
+    ray_begin(&look->ray, vec3_rounded(beside), direction);
+    look->ray.time = path->ray.time;
+    bool known = compiled_interior(looker->world->compiled, vec3f_from(look->ray.origin), look->ray.time,
+                                   &looker->shadow_hits, &looker->list, NULL) == STATUS_OK;
+    looker->out_of_memory |= !known;
+    return known;
 }
 
 bool slab_look_goes_on(Path *look, Event *event)

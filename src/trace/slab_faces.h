@@ -29,8 +29,9 @@ static inline bool slab_is_in_front(Vec3f normal, Vec3f direction)
 }
 /* A place right beside where a way began, on it: on what it began is known no more. */
 Vec3 slab_right_beside(Vec3 from, Vec3 towards);
-/* The list of the look there, where its ray starts; false when memory ends. */
-bool slab_find_list(Path *look);
+/* A look from such a place in a direction, as slab_start_look from the place itself; looker: the path's, which is lent. False when memory
+ * ends. */
+bool slab_start_beside(const Path *path, Tracer *looker, Vec3 beside, Vec3f direction, Path *look);
 
 /* A look from a place in a direction, by which indices: see Path.index_lane. The path's looker, which is lent, becomes its tracer. False
  * when memory ends. */

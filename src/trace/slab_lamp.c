@@ -154,16 +154,17 @@ static bool finds_way(const Path *path, Vec3 from, uint32_t emitter, Vec3 to, Ve
     Tracer *looker = gone->n_mirrored && !one_pair ? NULL : tracer_lend(path->tracer);
     if (!looker) return false;
     Path look;
-    Vec3 near = vec3_rounded(from);
-    slab_begin_look(path, looker, path->index_lane, &look);
-    ray_begin(&look.ray, near, vec3f_from(vec3_normalize(vec3_sub(to, near))));
-    look.ray.time = path->ray.time;
-    double cosine = fabs((double)vec3f_dot(look.ray.direction, lamp_normal));
+    const Vec3 near = vec3_rounded(from);
     const double distance = vec3_length(vec3_sub(to, near));
-    look.ray.t_max = distance - light_short_of(distance, cosine, to);
-    look.ray.target = ball_of(world, emitter);
-    bool found = slabs_are_on_way(&world->slabs, near, look.ray.direction, distance) && slab_find_list(&look) &&
-                 find_faces_past(&look, false, 0, way, often);
+    const Vec3f direction = vec3f_from(vec3_normalize(vec3_sub(to, near)));
+    double cosine = fabs((double)vec3f_dot(direction, lamp_normal));
+    bool found = slabs_are_on_way(&world->slabs, near, direction, distance) &&
+                 slab_start_beside(path, looker, from, direction, &look);
+    if (found) {
+        look.ray.t_max = distance - light_short_of(distance, cosine, to);
+        look.ray.target = ball_of(world, emitter);
+        found = find_faces_past(&look, false, 0, way, often);
+    }
     tracer_take_back(path->tracer);
     if (!found || !one_pair) return found && slab_steps_of(way) == gone->steps;
     const FaceWay straight = *way;

@@ -91,12 +91,9 @@ static bool would_find(const Path *path, Vec3 from, Vec3f outward, SkyWay *way)
     Tracer *looker = gone->n_mirrored ? NULL : tracer_lend(path->tracer);
     if (!looker) return false;
     Path look;
-    slab_begin_look(path, looker, path->index_lane, &look);
-    ray_begin(&look.ray, vec3_rounded(from), outward);
-    look.ray.time = path->ray.time;
-    bool found = slab_find_list(&look) && !slab_is_as_outside(&look, nest_medium(&looker->list)) &&
-                 find_way(&look, way) && slab_steps_of(&way->faces) == gone->steps &&
-                 (path->index_lane >= 0 || !way->faces.disperses);
+    bool found = slab_start_beside(path, looker, from, outward, &look) &&
+                 !slab_is_as_outside(&look, nest_medium(&looker->list)) && find_way(&look, way) &&
+                 slab_steps_of(&way->faces) == gone->steps && (path->index_lane >= 0 || !way->faces.disperses);
     tracer_take_back(path->tracer);
     return found;
 }
