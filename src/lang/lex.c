@@ -272,7 +272,7 @@ static void read_name(Lexer *lexer, Token *token)
 
 /* ---- numbers ---- */
 
-static void report_unit(Lexer *lexer, uint32_t begin, uint32_t end)
+void lexer_report_unit(Lexer *lexer, uint32_t begin, uint32_t end)
 {
     const char *names[COUNT_OF(unit_table)];
     for (size_t i = 0; i < COUNT_OF(unit_table); i++) names[i] = unit_table[i].name;
@@ -321,7 +321,7 @@ static void read_number(Lexer *lexer, Token *token)
     if (unit_end > unit_begin) {
         token->unit = unit_of(lexer->text + unit_begin, unit_end - unit_begin);
         if (!token->unit) {
-            report_unit(lexer, unit_begin, unit_end);
+            lexer_report_unit(lexer, unit_begin, unit_end);
             token->bad = true;
         }
         lexer->at = unit_end;

@@ -63,6 +63,9 @@ void lexer_skip_blanks(Lexer *lexer);
  * with nothing reported. */
 bool lexer_plain_number(Lexer *lexer, double *number, const UnitType **unit);
 
+/* Says of what stands from begin up to end, behind a number, that it is no unit. */
+void lexer_report_unit(Lexer *lexer, uint32_t begin, uint32_t end);
+
 const UnitType *unit_of(const char *text, size_t length); /* NULL when there is no such unit */
 const UnitType *unit_at(size_t index);                    /* NULL behind the last */
 /* The number at the start of text, which is of that unit, in metres per scene unit of unit_m (lengths), degrees, seconds or

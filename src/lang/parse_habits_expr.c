@@ -458,32 +458,64 @@ Expr *parse_braced_body(Parser *parser, const Def *def)
 
 /* ---- units ---- */
 
-/* "3 mm" is read as "3mm", unless what follows makes the word a name of its own. */
-/* The unit that the name at the present token is, where it is not what begins something else; NULL. */
-static const char *apart_unit(Parser *parser)
+/* Whether the name at the present token ends something, and begins nothing else. */
+static bool stands_last(Parser *parser)
 {
-    const Symbol *word = parser->token.as.symbol;
-    const char *unit = unit_of(word->text, word->length) ? word->text : habit_unit(word->text);
-    if (!unit || first_on_line(parser)) return NULL;
     Look look;
+    if (first_on_line(parser)) return false;
     look_from(parser, &look);
     Token next = lexer_next(&look.lexer);
     switch (next.kind) {
-    case TOKEN_NAME:
-        return !begins_line(parser, next.begin) && lexer_next(&look.lexer).kind == TOKEN_BRACE_OPEN ? NULL : unit;
+    case TOKEN_NAME: return begins_line(parser, next.begin) || lexer_next(&look.lexer).kind != TOKEN_BRACE_OPEN;
     case TOKEN_ASSIGN:
     case TOKEN_CHANGE:
     case TOKEN_DOT:
     case TOKEN_PAREN_OPEN:
-    case TOKEN_BRACE_OPEN: return NULL;
-    default: return unit;
+    case TOKEN_BRACE_OPEN: return false;
+    default: return true;
+    }
+}
+
+/* The unit that the name at the present token is, "3 mm", where it is not what begins something else; NULL. */
+static const char *apart_unit(Parser *parser)
+{
+    const Symbol *word = parser->token.as.symbol;
+    const char *unit = unit_of(word->text, word->length) ? word->text : habit_unit(word->text);
+    return unit && stands_last(parser) ? unit : NULL;
+}
+
+/* Whether that name is meant for a unit that there is not, "3 kg": a short word right behind the number, and no value behind it that it
+ * could be the name of. */
+static bool is_no_unit(Parser *parser, Span number)
+{
+    enum { SHORTEST = 2, LONGEST = 3 };
+    const Symbol *word = parser->token.as.symbol;
+    if (word->length < SHORTEST || word->length > LONGEST || parser->token.begin > number.end + 1 ||
+        !stands_last(parser) || builtin_find(word->text) || (parser->node && habit_advice(parser->node, word->text)))
+        return false;
+    Look look;
+    look_from(parser, &look);
+    Token next = lexer_next(&look.lexer);
+    switch (next.kind) {
+    case TOKEN_NAME: return begins_line(parser, next.begin) || lexer_next(&look.lexer).kind == TOKEN_ASSIGN;
+    case TOKEN_COMMA:
+    case TOKEN_PAREN_CLOSE:
+    case TOKEN_BRACE_CLOSE:
+    case TOKEN_GREATER:
+    case TOKEN_END: return true;
+    default: return false;
     }
 }
 
 void parse_apart_unit(Parser *parser, Span number)
 {
     const char *unit = apart_unit(parser);
-    if (!unit) return;
+    if (!unit) {
+        if (!is_no_unit(parser, number)) return;
+        lexer_report_unit(&parser->lexer, parser->token.begin, parser->token.end);
+        consume(parser);
+        return;
+    }
     Diagnostic *report = report_at(parser, token_span(parser), "a unit stands directly behind its number");
     diag_hint(parser->diag, report, "write: %s%s", quote(parser, number.begin, number.end), unit);
     consume(parser);

@@ -148,6 +148,10 @@ bool flat_way_leaving(const FlatFace *faces, uint32_t n, Vec3 leaving, Vec3 *dir
     for (uint32_t i = n; i-- > 0;) {
         const FlatFace *face = &faces[i];
         double slope = vec3_dot(face->normal, *direction), back = 1 / face->eta;
+        if (face->mirrored) {
+            *direction = vec3_along(*direction, -2 * slope, face->normal);
+            continue;
+        }
         double square = 1 - back * back * (1 - slope * slope);
         if (!(square > 0) || slope == 0) return false;
         double before = copysign(sqrt(square), slope);

@@ -35,7 +35,7 @@ double flat_ray_spread(const FlatRay *ray, Vec3 to);
 bool flat_way_find(const FlatFace *faces, uint32_t n, Vec3 from, Vec3 to, Vec3 *direction, FlatRay *ray);
 
 /* The direction with which a ray starts that leaves by the faces in a given one (unit), and how many steradians there come of one at
- * its start; false: none leaves so. Of faces that are gone through alone. */
+ * its start; false: none leaves so. Where the faces are does not matter. */
 bool flat_way_leaving(const FlatFace *faces, uint32_t n, Vec3 leaving, Vec3 *direction, double *spread);
 
 #endif

@@ -93,6 +93,24 @@ static void add_surface(Faces *faces)
         add_solid(faces, faces->shape->solid);
 }
 
+/* How far a mesh reaches along its axes. */
+static void find_reach(const Faces *faces, SlabAxes *slab)
+{
+    const Mesh *mesh = faces->shape->mesh;
+    for (uint32_t i = 0; i < slab->n; i++) {
+        slab->low[i] = HUGE_VAL;
+        slab->high[i] = -HUGE_VAL;
+    }
+    for (uint32_t k = 0; mesh && k < mesh->n_vertices; k++) {
+        Vec3 own = vec3_from_f(mesh->positions[k]), corner = faces->map ? affine_point(faces->map, own) : own;
+        for (uint32_t i = 0; i < slab->n; i++) {
+            double along = vec3_dot(vec3_from_f(slab->axes[i]), corner);
+            slab->low[i] = double_min(along, slab->low[i]);
+            slab->high[i] = double_max(along, slab->high[i]);
+        }
+    }
+}
+
 /* The axes of a body's flat faces, but for small ones, the largest first; of all of its surface, the part that they are. paired: faces
  * count that there are to both sides of their axis. */
 static double find_axes(const SceneShape *shape, const Affine *map, bool paired, SlabAxes *slab)
@@ -112,6 +130,7 @@ static double find_axes(const SceneShape *shape, const Affine *map, bool paired,
         flat += area;
         slab->axes[slab->n++] = vec3f_from(faces.axes[i]);
     }
+    find_reach(&faces, slab);
     return flat / faces.area;
 }
 
@@ -162,8 +181,14 @@ static SlabKind kind_of(const SceneShape *shape, const Affine *map, SlabAxes *sl
 static void map_axes(const Affine *map, const SlabAxes *own, SlabAxes *slab)
 {
     slab->n = own->n;
-    for (uint32_t i = 0; i < own->n; i++)
-        slab->axes[i] = vec3f_from(vec3_normalize(affine_area(map, vec3_from_f(own->axes[i]))));
+    for (uint32_t i = 0; i < own->n; i++) {
+        const Vec3 axis = vec3_from_f(own->axes[i]), across = vec3_normalize(affine_area(map, axis));
+        double low = vec3_dot(across, affine_point(map, vec3_scale(axis, own->low[i]))),
+               high = vec3_dot(across, affine_point(map, vec3_scale(axis, own->high[i])));
+        slab->axes[i] = vec3f_from(across);
+        slab->low[i] = double_min(low, high);
+        slab->high[i] = double_max(low, high);
+    }
 }
 
 /* A map keeps faces parallel, but where it stretches unevenly others are most of the surface: then shapes of few parts are looked
@@ -254,6 +279,21 @@ static bool is_within_one(const Slabs *slabs, Box3 box)
     return false;
 }
 
+static Box3 everywhere(void)
+{
+    return (Box3){vec3(-HUGE_VAL, -HUGE_VAL, -HUGE_VAL), vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL)};
+}
+
+/* With what is right beside a box: places on walls that are flush with it count as within. */
+static Box3 with_rim(Box3 box)
+{
+    const double part = 1e-5;
+    Vec3 size = vec3_sub(box.max, box.min), middle = box3_centre(box);
+    double rim = part * (fabs(size.x) + fabs(size.y) + fabs(size.z) + fabs(middle.x) + fabs(middle.y) + fabs(middle.z));
+    Vec3 out = vec3(rim, rim, rim);
+    return (Box3){vec3_sub(box.min, out), vec3_add(box.max, out)};
+}
+
 /* False when memory ends. */
 static bool find_one(Finder *finder, Slabs *slabs, Capacities *has, uint32_t number, bool bending)
 {
@@ -268,6 +308,8 @@ static bool find_one(Finder *finder, Slabs *slabs, Capacities *has, uint32_t num
     Box3 box = scene_object_bounds(scene, object, NULL);
     if (!bending && (kind != SLAB_PAIRED || !is_within_one(slabs, box))) return true;
     slab.within = kind == SLAB_BASIN;
+    slab.box = kind == SLAB_PLANE ? everywhere() : with_rim(box);
+    slabs->n_bending += bending;
     return add_slab(slabs, &has->items, number, &slab) &&
            (!bending || add_bending(slabs, has, kind, object, &slab, box));
 }
@@ -351,6 +393,37 @@ static bool is_in_basin(const Slabs *slabs, Vec3 from)
     for (uint32_t i = 0; i < slabs->n_basins && slabs->n_basins <= MOST_BOXES; i++)
         if (box3_holds_point(slabs->basins[i], from)) return true;
     return slabs->n_basins > MOST_BOXES;
+}
+
+uint32_t slabs_around(const Slabs *slabs, Vec3 place, const SlabAxes *around[SLABS_AROUND])
+{
+    enum { MOST_BODIES = 500 };
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < slabs->n_bending && i < MOST_BODIES && n < SLABS_AROUND; i++)
+        if (box3_holds_point(slabs->items[i].box, place)) around[n++] = &slabs->items[i];
+    return n;
+}
+
+/* How far along a line the outermost face across an axis is; from there on it is so far to the one opposite. */
+static double distance_across(const SlabAxes *slab, uint32_t axis, Vec3 from, Vec3 direction, double *on)
+{
+    const Vec3 normal = vec3_from_f(slab->axes[axis]);
+    double slope = vec3_dot(normal, direction), edge = slope > 0 ? slab->high[axis] : slab->low[axis];
+    *on = (slab->high[axis] - slab->low[axis]) / fabs(slope);
+    return slope != 0 ? (edge - vec3_dot(normal, from)) / slope : HUGE_VAL;
+}
+
+bool slab_leaves_across(const SlabAxes *slab, uint32_t axis, uint32_t mirror, Vec3 from, Vec3 direction)
+{
+    double on, own;
+    if (slab->n == 1) return true;
+    own = distance_across(slab, axis, from, direction, &on);
+    for (uint32_t i = 0; i < slab->n; i++) {
+        if (i == axis) continue;
+        double other = distance_across(slab, i, from, direction, &on);
+        if (i == mirror ? other > own || other + on < own : other < own) return false;
+    }
+    return isfinite(own);
 }
 
 bool slabs_are_on_way(const Slabs *slabs, Vec3 from, Vec3f direction, double distance)

@@ -201,12 +201,7 @@ static void find_infinity(Path *path)
     const World *world = tracer->world;
     const Scene *scene = world->scene;
     bool sight = path->ray.sight;
-    if (path_is_in_slabs(path)) {
-        if (path->slab_way.outside)
-            slab_leave_scene(path);
-        else
-            slab_leave_for_sky(path);
-    }
+    if (path_is_in_slabs(path)) slab_leave_scene(path);
     if (sight && (!scene->environment || scene->environment_hidden))
         path->open = lanes_mean(path->beta) / lanes_mean(path->ratio);
     const LightRival rival = {path->scatter_lights, path->scatter_point, path->scatter_normal,

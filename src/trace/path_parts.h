@@ -55,7 +55,8 @@ typedef struct PathProbing {
 typedef struct SlabWay {
     uint32_t bounce;              /* the path is on it as long as this is its own; SLAB_NOWHERE: it is not */
     uint32_t n_faces, n_mirrored; /* that it has met, and by which it was mirrored */
-    bool outside;                 /* what is in front of it has the index of what is outside */
+    uint32_t medium;              /* in front of it; */
+    bool outside;                 /* that has the index of what is outside */
     bool to_and_fro;              /* all that it was mirrored by is parallel */
     Vec3f mirror;                 /* the normal of the first of that */
     uint64_t steps;               /* a hash of all faces, and of what it did there */

@@ -34,12 +34,11 @@ static void land(const Path *path, const Event *event, float flux, Photon *photo
 }
 
 /* Whether looks find what comes through slabs as the photon did. */
-static bool is_looked_at(const Path *path, const LightSample *light, const Ray *begin, const Photon *photon)
+static bool is_looked_at(Path *path, const LightSample *light, const Ray *begin, const Photon *photon)
 {
     const Vec3 place = vec3_from_f(photon->position);
     if (isfinite(light->distance)) return slab_lamp_is_looked_at(path, light->emitter, begin, place);
-    const Vec3f outward = vec3f_negate(begin->direction);
-    return slab_keeps_direction(path, place, outward) || slab_sky_is_looked_at(path, outward, place);
+    return slab_sky_is_looked_at(path, vec3f_negate(begin->direction), place);
 }
 
 /* Follows a photon from a light to where it ends; false: to no place of use. */

@@ -40,10 +40,11 @@ typedef struct LookPlace {
     const LightChoices *choices;
     Vec3f normal; /* as LightQuery's */
 } LookPlace;
+enum { SKY_LOOKS = 8, MOST_LIGHT_LOOKS = SKY_LOOKS + 2 };
 typedef struct LightLooks {
-    LightSample lights[4];
+    LightSample lights[MOST_LIGHT_LOOKS];
     uint32_t n;
-    Lanes arrives[4]; /* what lights[i].arrives is, where it is any */
+    Lanes arrives[MOST_LIGHT_LOOKS]; /* what lights[i].arrives is, where it is any */
 } LightLooks;
 void path_look_at_light(Path *path, const LookPlace *from, LightLooks *looks);
 /* As path_shadow, to the place of a light, of which the ray is told; of light from infinity what comes through bodies with parallel

@@ -1,15 +1,5 @@
-/* slab_look.h - light of the sky and the sun through bodies with parallel faces; private to src/trace.
- *
- * Such light comes to a place from the direction in which it leaves the scene, so that a look for it can be followed, through
- * flat faces and to and fro between them, until it leaves the scene. Where it does so in the direction in which it was sent, the
- * light there is what was looked for, and counts by what the faces let through. A path that is scattered in that direction, and
- * goes through by chance, finds the same; both are weighed as where nothing is in the way. What leaves at another angle is none of
- * this, and is found as it was before; of what starts where the index is another than outside see slab_sky.h. A look always goes
- * through each face, and is mirrored besides as often as the face reflects.
- *
- * The way of a look is that of the hero, for both paths of a sample (sample.c). The other wavelengths would go beside it, by some
- * hundredths of the body's thickness, and are taken to come as far as that one does; of what the faces let through each has its
- * own part.
+/* slab_look.h - ways through flat faces of clear bodies: what paths know of those that they went, and single steps of looks that are
+ * followed there; private to src/trace. Which light looks find so is said in slab_sky.h and slab_lamp.h.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_SLAB_LOOK_H
 #define MEN_SLAB_LOOK_H
@@ -44,19 +34,10 @@ static inline void slab_pass_pane(Path *path)
 {
     path->slab_way.bounce += path_is_in_slabs(path);
 }
-/* Whether the index of a medium is that of what is outside. From elsewhere light is looked for as slab_sky.h says: what left in the
- * direction of its start would be a light's one direction of all, and count by what it fills of the sky there. */
+/* Whether the index of a medium is that of what is outside. */
 bool slab_is_as_outside(const Path *path, uint32_t medium);
-/* Whether what the path goes on in now is the direction in front of all slabs, and that was outside; and looks would go so. from,
- * direction: of such a look. */
-bool slab_keeps_direction(const Path *path, Vec3 from, Vec3f direction);
-/* It leaves the scene behind slabs: if as it came to them, that way counts as straight. */
-void slab_leave_scene(Path *path);
 
-/* As path_shadow, for light from infinity that comes through slabs. The ray is one that path_shadow says is blocked. */
-bool slab_shadow(Path *path, const Ray *ray, Lanes *transmittance);
-
-/* ---- for looks: slab_look.c, slab_lamp.c ---- */
+/* ---- for looks ---- */
 
 /* Where a look meets a face. */
 typedef struct SlabFace {

@@ -516,6 +516,33 @@ static void sun_in_still_water(void **state)
                  4, 0.002);
 }
 
+/* The floor of a tank of water in a small sun, which comes there by the top and by two of the sides. */
+static void sun_in_tank(void **state)
+{
+    (void)state;
+    const double n = 1.33, albedo = 0.8, seen = cos(atan(3 / 4.5)), size = sqrt(14),
+                 sun[3] = {2 / size, 3 / size, 1 / size};
+    double floor = 0;
+    for (int side = 0; side < 3; side++) {
+        double passes = 1 - truth_fresnel(sun[side], 1, n);
+        double within = sqrt(1 - (1 - sun[side] * sun[side]) / (n * n)); /* the cosine there, */
+        double down = side == 1 ? within : sun[1] / n;                   /* and that to the floor */
+        floor += 10 * passes * sun[side] / within * down;
+    }
+    RenderSettings looking = truth_small(4096);
+    looking.caustics = CAUSTICS_OFF;
+    looking.bounces = 3; /* in, the floor, and out */
+    const double mirrored = truth_fresnel(seen, 1, n),
+                 below = mirrored * 10 * sun[1]; /* at that side, the floor outside */
+    truth_expect("the sun in a tank of water", albedo / TRUTH_PI * (below + (1 - mirrored) / (n * n) * floor),
+                 truth_measure_as(FLOOR "medium water { ior = 1.33  state = liquid }\n"
+                                        "light { shape = distant  from = <2, 3, 1>  to = <0, 0, 0>  angle = .1deg  "
+                                        "power = 10 }\n"
+                                        "box { from = <-1, -1, -1>  to = <1, 1.5, 1>  interior = water }\n",
+                                  NULL, &looking),
+                 4, 0.001);
+}
+
 static void within_slabs(void **state)
 {
     (void)state;
@@ -542,6 +569,25 @@ static void within_slabs(void **state)
          "box { from = <-.5, .5, -.5>  to = <.5, .51, .5>  surface = surface { thin = true  albedo = .8  translucency "
          "= .5 } }\n"
          "sphere { center = <3, 3, 1>  radius = 1  surface = surface { albedo = .5  ior = 1.6  roughness = .3 } }",
+         0.01},
+        {"beside the walls of a pool",
+         "box { from = <-1, -1, -2>  to = <2, 5, 9>  interior = water }\n"
+         "box { from = <2, -1, -9>  to = <3, 4, 9>  surface = surface { albedo = .5 } }\n"
+         "box { from = <-2, -1, -9>  to = <-1, 3, 9>  surface = surface { albedo = .5 } }\n",
+         0.008},
+        {"in a narrow tank",
+         "difference { box { from = <-2, -1, -3>  to = <2, 6, 3> } box { from = <-1.8, -.5, -2.8>  to = <1.8, 7, 2.8> }\n"
+         "  interior = glass }\n"
+         "box { from = <-1.9, -.6, -2.9>  to = <1.9, 5, 2.9>  interior = water }\n",
+         0.008},
+        {"in a narrow block", "box { from = <-1, -1, -2>  to = <1, 6, 2>  interior = glass }", 0.008},
+        {"in a wavy tank, with a block of glass",
+         "difference { box { from = <-3, -1, -4>  to = <3, 6, 4> } box { from = <-2.8, -.5, -3.8>  to = <2.8, 7, 3.8> "
+         "}\n"
+         "  interior = glass }\n"
+         "difference { box { from = <-2.9, -.6, -3.9>  to = <2.9, 5, 3.9> }\n"
+         "  sphere { center = <9, 30, 0>  radius = 26 } interior = water }\n"
+         "box { from = <1.2, .2, -3>  to = <2.5, 3, -1>  rotate(<0, 10, 2>)  interior = flint }\n",
          0.01},
         {"beside a ball of glass in water",
          "box { from = <-9, -1, -9>  to = <9, 9, 9>  interior = water }\n"
@@ -629,6 +675,7 @@ int main(void)
         cmocka_unit_test(sun_through_slab),
         cmocka_unit_test(through_slabs),
         cmocka_unit_test(sun_in_still_water),
+        cmocka_unit_test(sun_in_tank),
         cmocka_unit_test(within_slabs),
         cmocka_unit_test(double_glazing),
         cmocka_unit_test(lamps_of_lines),

@@ -122,6 +122,7 @@ static void leaving(void **state)
                                   .offset = vec3_dot(normal, vec3_scale(start, 1 + i)),
                                   .eta = 0.7 + 0.7 * dice_unit(&dice)};
         }
+        if (trial % 3 == 0) faces[n - 1].mirrored = true; /* the last: what is behind it is met by none */
         FlatRay ray;
         if (!flat_way_follow(faces, n, vec3(0, 0, 0), start, &ray)) continue;
         n_left++;
