@@ -576,7 +576,8 @@ static void within_slabs(void **state)
          "box { from = <-2, -1, -9>  to = <-1, 3, 9>  surface = surface { albedo = .5 } }\n",
          0.008},
         {"in a narrow tank",
-         "difference { box { from = <-2, -1, -3>  to = <2, 6, 3> } box { from = <-1.8, -.5, -2.8>  to = <1.8, 7, 2.8> }\n"
+         "difference { box { from = <-2, -1, -3>  to = <2, 6, 3> } box { from = <-1.8, -.5, -2.8>  to = <1.8, 7, 2.8> "
+         "}\n"
          "  interior = glass }\n"
          "box { from = <-1.9, -.6, -2.9>  to = <1.9, 5, 2.9>  interior = water }\n",
          0.008},
