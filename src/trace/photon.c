@@ -38,7 +38,7 @@ static bool is_looked_at(Path *path, const LightSample *light, const Ray *begin,
 {
     const Vec3 place = vec3_from_f(photon->position);
     if (isfinite(light->distance)) return slab_lamp_is_looked_at(path, light->emitter, begin, place);
-    return slab_sky_is_looked_at(path, vec3f_negate(begin->direction), place);
+    return slab_sky_is_looked_at(path, vec3f_negate(begin->direction), place, photon->normal);
 }
 
 /* Follows a photon from a light to where it ends; false: to no place of use. */

@@ -40,7 +40,8 @@ typedef struct LookPlace {
     const LightChoices *choices;
     Vec3f normal; /* as LightQuery's */
 } LookPlace;
-enum { SKY_LOOKS = 8, MOST_LIGHT_LOOKS = SKY_LOOKS + 2 };
+/* SKY_LOOKS: by ways into one medium, of two */
+enum { SKY_LOOKS = 8, MOST_LIGHT_LOOKS = 2 * SKY_LOOKS + 3 };
 typedef struct LightLooks {
     LightSample lights[MOST_LIGHT_LOOKS];
     uint32_t n;

@@ -153,7 +153,8 @@ static Lanes follow(Look *look)
         if (event.kind == EVENT_LOST) path->tracer->out_of_memory = true;
         if (event.kind == EVENT_ESCAPE) {
             SkyStart back = look->start;
-            bool same = bend(&back, path->ray.direction) && is_same_direction(back.direction, look->start.direction);
+            bool same = slab_is_as_outside(path, nest_medium(&path->tracer->list)) &&
+                        bend(&back, path->ray.direction) && is_same_direction(back.direction, look->start.direction);
             return same ? lanes_add(arrives, path->beta) : arrives;
         }
         if (event.kind == EVENT_SCATTER || path->n_counted++ >= path->tracer->world->max_bounces) break;
@@ -214,40 +215,62 @@ static bool look_by(Path *path, const LookPlace *from, const SkyPlace *place, co
     return true;
 }
 
-/* Looks by all ways; where each wavelength comes another way, and the path does not know yet by which indices it goes, its sample's second
- * path is to begin before. */
-static void look_from_within(Path *path, const LookPlace *from, const SkyPlace *place, LightLooks *looks)
+/* Looks by all ways into one medium, from number n on. Where each wavelength comes another way, and the path does not know yet by which
+ * indices it goes, its sample's second path is to begin before. Returns up to which. */
+static uint32_t look_from_within(Path *path, const LookPlace *from, const SkyPlace *place, const LightSample *light,
+                                 LightLooks *looks, uint32_t n)
 {
-    const LightSample light = looks->lights[0];
     SkyStart starts[SKY_LOOKS];
-    uint32_t n = 0;
-    looks->lights[0].pdf_w = 0;
+    if (!slab_is_in_front(from->normal, light->direction)) return n;
     if (comes_apart(path, place->medium)) {
-        if (path->index_lane < 0) return;
+        if (path->index_lane < 0) return n;
         path->bent_apart = true;
     }
-    if (!slab_is_in_front(from->normal, light.direction)) return;
-    const uint32_t n_starts = find_starts(path, place, light.direction, starts);
+    const uint32_t n_starts = find_starts(path, place, light->direction, starts);
     for (uint32_t i = 0; i < n_starts; i++) {
-        LightSample bent = light;
+        LightSample bent = *light;
         if (!look_by(path, from, place, &starts[i], &bent, &looks->arrives[n])) continue;
         looks->lights[n++] = bent;
-        looks->n = n;
     }
+    return n;
+}
+
+/* The media that a place takes light from: two where it lies between them, and takes light from both sides. */
+static uint32_t media_of(Path *path, const LookPlace *from, Vec3f towards, uint32_t media[2])
+{
+    uint32_t n = 0;
+    Path look;
+    const Vec3f normal = from->place->geometric, sides[2] = {normal, vec3f_negate(normal)};
+    const bool one_side = vec3f_dot(from->normal, from->normal) > 0;
+    for (int i = 0; i < (from->event && !one_side ? 2 : 1); i++) {
+        Vec3f direction = !from->event ? towards : one_side ? from->normal : sides[i];
+        if (!slab_start_look(path, from, -1, direction, &look)) break;
+        uint32_t medium = nest_medium(&look.tracer->list);
+        if (n == 0 || media[0] != medium) media[n++] = medium;
+    }
+    return n;
 }
 
 void slab_look_at_sky(Path *path, const LookPlace *from, LightLooks *looks)
 {
-    const LightSample *light = &looks->lights[0];
+    const LightSample light = looks->lights[0];
+    const World *world = path->tracer->world;
     const SlabAxes *around[SLABS_AROUND];
-    SkyPlace place = {.position = from->place->position};
-    Path look;
-    if (!(light->pdf_w > 0) || isfinite(light->distance) ||
-        !slabs_around(&path->tracer->world->slabs, place.position, around) || !tracer_lend(path->tracer) ||
-        !slab_start_look(path, from, -1, light->direction, &look))
+    uint32_t media[2];
+    if (!(light.pdf_w > 0) || isfinite(light.distance) || !slabs_around(&world->slabs, from->place->position, around) ||
+        !tracer_lend(path->tracer))
         return;
-    place.medium = nest_medium(&look.tracer->list);
-    if (!slab_is_as_outside(path, place.medium)) look_from_within(path, from, &place, looks);
+    const uint32_t n_media = media_of(path, from, light.direction, media);
+    bool straight = false; /* it comes so, too, as from below to what is under the sea */
+    for (uint32_t i = 0; i < n_media; i++)
+        straight |= slab_is_as_outside(path, media[i]) || (world->reach[media[i]] & REACH_FAR);
+    if (!straight) looks->lights[0].pdf_w = 0;
+    uint32_t n = straight;
+    for (uint32_t i = 0; i < n_media; i++) {
+        const SkyPlace place = {from->place->position, media[i]};
+        if (!slab_is_as_outside(path, media[i])) n = look_from_within(path, from, &place, &light, looks, n);
+    }
+    if (n > 0) looks->n = n;
     tracer_take_back(path->tracer);
 }
 
@@ -261,7 +284,9 @@ void slab_leave_scene(Path *path)
     if (way->outside ? !slabs_are_on_way(&path->tracer->world->slabs, place.position, way->direction, HUGE_VAL)
                      : !slab_way_has_rival(path) || !slab_is_in_front(path->scatter_normal, path->ray.direction))
         return;
-    if (!is_looked_at(path, &place, way->direction, path->ray.direction, &spread)) return;
+    if (!slab_is_as_outside(path, nest_medium(&path->tracer->list)) ||
+        !is_looked_at(path, &place, way->direction, path->ray.direction, &spread))
+        return;
     if (way->outside) {
         path->ray.direction = way->direction;
         path->from.rarity = way->rarity;
@@ -270,12 +295,13 @@ void slab_leave_scene(Path *path)
     path->probing.bent = way->bent;
 }
 
-bool slab_sky_is_looked_at(Path *photon, Vec3f outward, Vec3 place)
+bool slab_sky_is_looked_at(Path *photon, Vec3f outward, Vec3 place, Vec3f normal)
 {
     double spread;
     const World *world = photon->tracer->world;
     const SkyPlace there = {place, nest_medium(&photon->tracer->list)};
     bool looks = slab_is_as_outside(photon, there.medium) ? slabs_are_on_way(&world->slabs, place, outward, HUGE_VAL)
                                                           : (world->reach_through[there.medium] & REACH_FAR) != 0;
-    return looks && is_looked_at(photon, &there, vec3f_negate(photon->ray.direction), outward, &spread);
+    return looks && slab_is_in_front(normal, outward) &&
+           is_looked_at(photon, &there, vec3f_negate(photon->ray.direction), outward, &spread);
 }

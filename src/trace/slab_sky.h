@@ -22,14 +22,15 @@
 
 /* As path_shadow, for light from infinity that comes through slabs. The ray is one that path_shadow says is blocked. */
 bool slab_shadow(Path *path, const Ray *ray, Lanes *transmittance);
-/* If the light that was chosen is from infinity, and the place's index another than outside, lights become of it that are in the
- * directions in which it comes there; its density becomes 0 if none does. */
+/* If the light that was chosen is from infinity, and the place's index another than outside, lights are added that are in the directions
+ * in which it comes there; its own density becomes 0 unless it comes straight, too. */
 void slab_look_at_sky(Path *path, const LookPlace *from, LightLooks *looks);
 
 /* A path leaves the scene by slabs: if looks would have found the same, the density of its scattering becomes that of the direction
  * outside; else nothing competes with it. */
 void slab_leave_scene(Path *path);
-/* Whether looks from a place to which a photon has come through slabs find the same. outward: against the direction in which it began. */
-bool slab_sky_is_looked_at(Path *photon, Vec3f outward, Vec3 place);
+/* Whether looks from a place to which a photon has come through slabs find the same. outward: against the direction in which it began.
+ * normal: of a surface there, to the photon's side; else zero. */
+bool slab_sky_is_looked_at(Path *photon, Vec3f outward, Vec3 place, Vec3f normal);
 
 #endif

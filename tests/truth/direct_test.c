@@ -608,6 +608,65 @@ static void within_slabs(void **state)
     }
 }
 
+/* What has another index than outside, and is lit straight as well: under a sea without a bottom; and what lies between two media, and
+ * takes light from both. */
+static void between_slabs(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *what, *camera, *around, *sun;
+        double resolution;
+    } cases[] = {
+        {"from below, in a sea", "<0, -3, 4.5>",
+         "sphere { radius = .5  surface = surface { albedo = .8 } }\n"
+         "plane { translate(<0, 9, 0>)  interior = water }",
+         "from = <1, -3, 1>  angle = 40deg", 0.003},
+        {"from the side, in a sea", "<0, -3, 4.5>",
+         "sphere { radius = .5  surface = surface { albedo = .8 } }\n"
+         "plane { translate(<0, 9, 0>)  interior = water }",
+         "from = <1, .2, 3>  angle = 40deg", 0.006},
+        {"on a rough face between two media", "<0, .3, .5>",
+         "box { from = <-2, -1, -2>  to = <2, .5, 2>  interior = glass }\n"
+         "box { from = <-1, -.4, -1>  to = <1, 0, 1>  interior = green  priority = 5  surface = surface { roughness = "
+         ".8 } "
+         "}",
+         "from = <3, -.5, .5>  angle = 80deg", 0.03},
+        {"on a leaf on a block", "<.073, .35, .5>",
+         "mesh { positions = [<-.5, 0, -.5>, <.5, 0, -.5>, <.5, 0, .5>, <-.5, 0, .5>]\n"
+         "  triangles = [<0, 2, 1>, <0, 3, 2>]  surface = surface { thin = true  albedo = .8  translucency = .5 } }\n"
+         "box { from = <-2, -1, -2>  to = <2, 0, 2>  interior = glass }",
+         "from = <3, 1, .5>  angle = 60deg", 0.01},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        char text[2000];
+        snprintf(text, sizeof text,
+                 "meniscus 1.0 unit mm\n"
+                 "medium glass { ior = 1.5  state = solid }  medium water { ior = 1.33  state = liquid }\n"
+                 "medium green { ior = 1.2  state = solid }\n"
+                 "camera { from = %s  to = <0, 0, 0>  fov = .01deg }\n"
+                 "light { shape = distant  to = <0, 0, 0>  radiance = 3  %s }\n%s\n",
+                 cases[i].camera, cases[i].sun, cases[i].around);
+        truth_found_alike(cases[i].what, text, 16384, cases[i].resolution);
+    }
+}
+
+/* A side of a block that mirrors the sun onto a wall which faces away from it: no look goes there, and photons have to. */
+static void mirrored_to_dark_side(void **state)
+{
+    (void)state;
+    RenderSettings led = truth_small(256);
+    led.caustics = CAUSTICS_ON;
+    const char *text = "meniscus 1.0 unit mm\n"
+                       "medium glass { ior = 1.5  state = solid }\n"
+                       "camera { from = <-9, 1, 0>  to = <-1.2, .2, 0>  fov = .01deg }\n"
+                       "box { from = <-2, -2, -2>  to = <2, 2, 2>  interior = glass }\n"
+                       "box { from = <-1.2, -2, -2>  to = <1.9, 1.99, 2>  surface = surface { albedo = .8 } }\n"
+                       "box { from = <-3, -3, -3>  to = <3, -1.9, 3>  surface = surface { albedo = .01 } }\n"
+                       "light { shape = distant  from = <1, 1.2, 0>  to = <0, 0, 0>  angle = 8deg  power = 10 }\n";
+    truth_alike("the sun mirrored to a dark side", truth_measure(text, NULL, 16384, true),
+                truth_measure_as(text, NULL, &led), 4, 0.03);
+}
+
 /* Holes of a sheet that stands in glass are not to be seen there, where a pane of another index would be. */
 static void holes_in_glass(void **state)
 {
@@ -678,6 +737,8 @@ int main(void)
         cmocka_unit_test(sun_in_still_water),
         cmocka_unit_test(sun_in_tank),
         cmocka_unit_test(within_slabs),
+        cmocka_unit_test(between_slabs),
+        cmocka_unit_test(mirrored_to_dark_side),
         cmocka_unit_test(double_glazing),
         cmocka_unit_test(lamps_of_lines),
     };
