@@ -192,6 +192,23 @@ static void remark_noise(const RenderRun *run)
     buf_clear(&noise);
 }
 
+/* Of what is smooth, and may be a guess. Not of frames behind the first, which say the same. */
+static void remark_spread(const RenderRun *run)
+{
+    const double much = 0.15;
+    const RenderStats *stats = &run->stats;
+    if (run->n_rendered || stats->stopped || !(stats->spread_light > much)) return;
+    Buf light = {0};
+    add_digits(&light, 100 * stats->spread_light, 2);
+    talk_remark(run->talk,
+                "%s %% of the light came by few samples, and was spread over what is around them: how bright that is, "
+                "and of which colour, is a guess so far; more samples ('--spp') make it sure%s, and '--fireflies keep' "
+                "shows what was found",
+                buf_text(&light),
+                run->settings.caustics == CAUSTICS_OFF ? ", '--caustics on' looks where such light is" : "");
+    buf_clear(&light);
+}
+
 void render_warn(const RenderRun *run)
 {
     const RenderStats *stats = &run->stats;
@@ -213,6 +230,7 @@ void render_warn(const RenderRun *run)
         talk_warning(talk, "%llu path%s gave up after too many surfaces between equal media", limit, plural(limit));
     if (bad) talk_warning(talk, "%llu sample%s without a finite value left out", bad, plural(bad));
     remark_noise(run);
+    remark_spread(run);
     remark_brightness(run);
     warn_of_black(run);
     if (saturated)

@@ -579,7 +579,13 @@ static void warn_of_radians(Resolver *resolver, const Expr *call)
     }
 }
 
-/* The first call of rnd() in an expression that has not been resolved yet, up to some depth; NULL: there is none. */
+/* <r * cos(a), 0, r * sin(a)>: of one angle, which may be at random, for both. */
+static bool is_circular(const Symbol *symbol)
+{
+    return strcmp(symbol->text, "sin") == 0 || strcmp(symbol->text, "cos") == 0;
+}
+
+/* The first call of rnd() in an expression that has not been resolved yet, up to some depth, but of angles; NULL: there is none. */
 static const Expr *find_random(const Expr *expr, int depth)
 {
     const Expr *found = NULL;
@@ -588,6 +594,7 @@ static const Expr *find_random(const Expr *expr, int depth)
         const Expr *callee = expr->as.call.callee;
         const Symbol *symbol = callee->kind == EXPR_NAME ? callee->as.name.symbol : NULL;
         if (symbol && !symbol->binding && strcmp(symbol->text, "rnd") == 0) return expr;
+        if (symbol && !symbol->binding && is_circular(symbol)) return NULL;
         for (uint32_t i = 0; !found && i < expr->as.call.args.n; i++)
             found = find_random(expr->as.call.args.items[i].value, depth - 1);
     } else if (expr->kind >= EXPR_NEGATE && expr->kind <= EXPR_POWER) {

@@ -35,12 +35,11 @@ static bool is_same_direction(Vec3f a, Vec3f b)
     return vec3f_dot(between, between) < apart * apart;
 }
 
-/* Of the light that is in a direction outside; false: none comes by there. */
-static bool bend(SkyStart *start, Vec3f outside)
+/* Of the light that is in a direction outside; false: none comes by there. exact: the direction. */
+static bool bend(SkyStart *start, Vec3f outside, Vec3 *exact)
 {
-    Vec3 direction;
-    if (!flat_way_leaving(start->faces, start->n, vec3_from_f(outside), &direction, &start->spread)) return false;
-    start->direction = vec3f_from(direction);
+    if (!flat_way_leaving(start->faces, start->n, vec3_from_f(outside), exact, &start->spread)) return false;
+    start->direction = vec3f_from(*exact);
     return true;
 }
 
@@ -59,8 +58,8 @@ static bool find_start(const SkyQuery *query, const SlabAxes *slab, uint32_t axi
     if (mirror != axis)
         start->faces[start->n++] = (FlatFace){.normal = vec3_from_f(slab->axes[mirror]), .eta = 1, .mirrored = true};
     start->faces[start->n++] = (FlatFace){.normal = vec3_from_f(slab->axes[axis]), .eta = query->eta};
-    if (!bend(start, query->outside)) return false;
-    const Vec3 direction = vec3_from_f(start->direction);
+    Vec3 direction;
+    if (!bend(start, query->outside, &direction)) return false;
     double cosine = vec3_dot(direction, start->faces[0].normal), total = 1 - 1 / (query->eta * query->eta);
     return (mirror == axis || cosine * cosine < total) &&
            slab_leaves_across(slab, axis, mirror, query->from, direction);
@@ -153,8 +152,10 @@ static Lanes follow(Look *look)
         if (event.kind == EVENT_LOST) path->tracer->out_of_memory = true;
         if (event.kind == EVENT_ESCAPE) {
             SkyStart back = look->start;
+            Vec3 exact;
             bool same = slab_is_as_outside(path, nest_medium(&path->tracer->list)) &&
-                        bend(&back, path->ray.direction) && is_same_direction(back.direction, look->start.direction);
+                        bend(&back, path->ray.direction, &exact) &&
+                        is_same_direction(back.direction, look->start.direction);
             return same ? lanes_add(arrives, path->beta) : arrives;
         }
         if (event.kind == EVENT_SCATTER || path->n_counted++ >= path->tracer->world->max_bounces) break;

@@ -420,6 +420,11 @@ PYTHON
 run compare spread.exr keep.exr
 [ "$(grep '^mean of A' out | cut -c 10-)" = "$(grep '^mean of B' out | cut -c 10-)" ] || flunk "the means differ"
 says_not out "rmse                0 "
+sed 's/<0, 1, 0>  radius = 1/<0, 2, 0>  radius = 1/; s/<3, 6, 2>  radius = .2/<0, 2, 0>  radius = .1/; s/<0, 3, 8>  to = <0, 1, 0>/<0, 6, 8>  to = <0, 0, 2>/' glints.mns > bulb.mns
+run render bulb.mns -o bulb.exr
+matches err "remark: [0-9.]+ % of the light came by few .* '--caustics on' looks where such light is, and '--fireflies keep'"
+run render bulb.mns -o bulb.exr --fireflies keep
+says_not err "of the light came by"
 run render glints.mns -o set.exr --set render.fireflies=keep -q
 run compare set.exr keep.exr --max-rmse 0
 exits 0
