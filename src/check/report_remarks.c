@@ -199,7 +199,10 @@ static void remark_mostly_hidden(Remarks *r)
             "%s is hidden in %s but for %.2g %% of it, as gas is on top of a liquid that is not wholly inside",
             liquid->name, gas->name, 100 * fmax(0, 1 - hidden));
         diag_note(r->diag, report, gas->span, "%s is here", gas->name);
-        diag_hint(r->diag, report, "let it end within %s, or give it a larger priority", gas->name);
+        diag_hint(r->diag, report,
+                  "give %s a larger priority, or cut the hollow with difference { ... } in place of %s; to end within "
+                  "it leaves a gap at its wall",
+                  liquid->name, gas->name);
     }
     tally_end(r, &tally);
 }
