@@ -19,7 +19,8 @@ static const struct {
     float fewer;
 } clumps[CLUMP_SIZES] = {{2, 1000}, {3, 150}, {4, 32}, {6, 10}, {10, 4}, {40, 2}, {120, 1.5f}};
 /* Of those that go as far as there is something, where hardly any are alike: so many tell whether these lie together; and so many
- * are no chance: a haze of them is what is there, however dark it is without. */
+ * are no chance: a haze of them is what is there, however dark it is without. Of samples of another colour than what is around it takes
+ * the more by how much sooner a haze of that is seen: velvet behind glass that disperses got the colour of the few that were found. */
 enum { A_FEW = 4, NO_CHANCE = 8 };
 /* Pixels around a sample, for what they have of comparable ones. */
 enum { BESIDE = 2 };
@@ -370,7 +371,8 @@ int spread_farthest(const Lone *lone, const Around *sums, int radius, double alo
     bool even = !is_thin(density_in(lone, sums, radius), way->clump.densest, clumps[CLUMP_SMALL - 1].fewer);
     /* those that lie together make a haze together, in which colours make up for each other */
     double haze = even ? alone : alone * sums->alike * lone->light / lone->seen;
-    if (haze > FAINT && !(even && sums->alike >= NO_CHANCE)) return 0;
+    const bool by_chance = sums->alike * lone->light < NO_CHANCE * lone->seen;
+    if (haze > FAINT && (!even || by_chance)) return 0;
     (void)find_image(sums, radius, way);
     return radius;
 }
