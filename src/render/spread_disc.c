@@ -420,6 +420,10 @@ static int stay_in_clump(const Maps *maps, Lone *lone, bool known, Way *way)
     if (apart && !close &&
         brightness_of_disc(maps, lone, &sums, way->weights) > (known || density < SPARSE ? CLOUDY : GLARING))
         return 0;
+    /* nor do a few of one colour each make a small disc of theirs */
+    if (!apart && sums.alike * lone->light < NEAR * lone->seen &&
+        brightness_of_disc(maps, lone, &sums, way->weights) > GLARING)
+        return 0;
     (void)find_image(&sums, radius, way);
     return radius;
 }

@@ -152,6 +152,34 @@ static void one_colour_is_seen_sooner(void **state)
     }
 }
 
+/* Sixteen grey ones make a haze of what is dark, and four a small disc, however bright; as many that are of one colour each say too
+ * little of that. */
+static void few_of_one_colour_stay(void **state)
+{
+    (void)state;
+    for (int tinted = 0; tinted < 2; tinted++) {
+        const float grey[3] = {46, 46, 46}, dark[3] = {.001f, .001f, .001f};
+        const float colors[4][3] = {{124, 7, 7}, {7, 124, 7}, {7, 7, 124}, {66, 66, 6}};
+        Films haze, disc;
+        begin(&haze);
+        begin(&disc);
+        for (uint32_t y = 0; y < SIDE; y++)
+            for (uint32_t x = 0; x < SIDE; x++)
+                for (int i = 0; i < 32; i++) {
+                    const float *rgb = tinted ? colors[(y & 1) * 2 + (x & 1)] : grey;
+                    bool apart = x % 12 == 6 && y % 12 == 6, together = (y | 1) == 21 && (x | 1) == 21;
+                    add(&haze, x, y, i || !apart ? dark : rgb, 7);
+                    add(&disc, x, y, i || !together ? dark : rgb, 7);
+                }
+        resolve(&haze, whole);
+        resolve(&disc, whole);
+        assert_int_equal(haze.way.samples, tinted ? 0 : 16);
+        assert_int_equal(disc.way.samples, tinted ? 0 : 4);
+        end(&haze);
+        end(&disc);
+    }
+}
+
 /* Samples of one of three colours in every fourth pixel, by chance: their haze is grey. */
 static void colours_make_up_for_each_other(void **state)
 {
@@ -906,6 +934,7 @@ int main(void)
         cmocka_unit_test(what_would_be_seen_anywhere_stays),
         cmocka_unit_test(what_few_bring_to_the_dark_is_a_haze),
         cmocka_unit_test(one_colour_is_seen_sooner),
+        cmocka_unit_test(few_of_one_colour_stay),
         cmocka_unit_test(colours_make_up_for_each_other),
         cmocka_unit_test(what_is_dark_gets_what_is_found_there),
         cmocka_unit_test(no_hole_is_left),
