@@ -458,30 +458,25 @@ Expr *parse_braced_body(Parser *parser, const Def *def)
 
 /* ---- units ---- */
 
-/* Whether the name at the present token ends something, and begins nothing else. */
-static bool stands_last(Parser *parser)
-{
-    Look look;
-    if (first_on_line(parser)) return false;
-    look_from(parser, &look);
-    Token next = lexer_next(&look.lexer);
-    switch (next.kind) {
-    case TOKEN_NAME: return begins_line(parser, next.begin) || lexer_next(&look.lexer).kind != TOKEN_BRACE_OPEN;
-    case TOKEN_ASSIGN:
-    case TOKEN_CHANGE:
-    case TOKEN_DOT:
-    case TOKEN_PAREN_OPEN:
-    case TOKEN_BRACE_OPEN: return false;
-    default: return true;
-    }
-}
-
 /* The unit that the name at the present token is, "3 mm", where it is not what begins something else; NULL. */
 static const char *apart_unit(Parser *parser)
 {
     const Symbol *word = parser->token.as.symbol;
     const char *unit = unit_of(word->text, word->length) ? word->text : habit_unit(word->text);
-    return unit && stands_last(parser) ? unit : NULL;
+    if (!unit || first_on_line(parser)) return NULL;
+    Look look;
+    look_from(parser, &look);
+    Token next = lexer_next(&look.lexer);
+    switch (next.kind) {
+    case TOKEN_NAME:
+        return !begins_line(parser, next.begin) && lexer_next(&look.lexer).kind == TOKEN_BRACE_OPEN ? NULL : unit;
+    case TOKEN_ASSIGN:
+    case TOKEN_CHANGE:
+    case TOKEN_DOT:
+    case TOKEN_PAREN_OPEN:
+    case TOKEN_BRACE_OPEN: return NULL;
+    default: return unit;
+    }
 }
 
 /* Whether that name is meant for a unit that there is not, "3 kg": a short word right behind the number, and no value behind it that it
@@ -491,7 +486,7 @@ static bool is_no_unit(Parser *parser, Span number)
     enum { SHORTEST = 2, LONGEST = 3 };
     const Symbol *word = parser->token.as.symbol;
     if (word->length < SHORTEST || word->length > LONGEST || parser->token.begin > number.end + 1 ||
-        !stands_last(parser) || builtin_find(word->text) || (parser->node && habit_advice(parser->node, word->text)))
+        first_on_line(parser) || builtin_find(word->text) || (parser->node && habit_advice(parser->node, word->text)))
         return false;
     Look look;
     look_from(parser, &look);

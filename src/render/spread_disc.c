@@ -366,13 +366,18 @@ bool spread_is_in_clump(const Lone *lone, const Around *sums, int radius, Clump 
     return known >= 0;
 }
 
+/* Fewer comparable samples than so many, of another colour the more. */
+static bool are_fewer(const Lone *lone, const Around *sums, int n)
+{
+    return sums->alike * lone->light < n * lone->seen;
+}
+
 int spread_farthest(const Lone *lone, const Around *sums, int radius, double alone, Way *way)
 {
     bool even = !is_thin(density_in(lone, sums, radius), way->clump.densest, clumps[CLUMP_SMALL - 1].fewer);
     /* those that lie together make a haze together, in which colours make up for each other */
     double haze = even ? alone : alone * sums->alike * lone->light / lone->seen;
-    const bool by_chance = sums->alike * lone->light < NO_CHANCE * lone->seen;
-    if (haze > FAINT && (!even || by_chance)) return 0;
+    if (haze > FAINT && (!even || are_fewer(lone, sums, NO_CHANCE))) return 0;
     (void)find_image(sums, radius, way);
     return radius;
 }
@@ -421,8 +426,7 @@ static int stay_in_clump(const Maps *maps, Lone *lone, bool known, Way *way)
         brightness_of_disc(maps, lone, &sums, way->weights) > (known || density < SPARSE ? CLOUDY : GLARING))
         return 0;
     /* nor do a few of one colour each make a small disc of theirs */
-    if (!apart && sums.alike * lone->light < NEAR * lone->seen &&
-        brightness_of_disc(maps, lone, &sums, way->weights) > GLARING)
+    if (!apart && are_fewer(lone, &sums, NEAR) && brightness_of_disc(maps, lone, &sums, way->weights) > GLARING)
         return 0;
     (void)find_image(&sums, radius, way);
     return radius;

@@ -93,7 +93,7 @@ static void add_surface(Faces *faces)
         add_solid(faces, faces->shape->solid);
 }
 
-/* How far a mesh reaches along its axes. */
+/* How far a mesh reaches along its axes, where it has several. */
 static void find_reach(const Faces *faces, SlabAxes *slab)
 {
     const Mesh *mesh = faces->shape->mesh;
@@ -101,7 +101,7 @@ static void find_reach(const Faces *faces, SlabAxes *slab)
         slab->low[i] = HUGE_VAL;
         slab->high[i] = -HUGE_VAL;
     }
-    for (uint32_t k = 0; mesh && k < mesh->n_vertices; k++) {
+    for (uint32_t k = 0; mesh && slab->n > 1 && k < mesh->n_vertices; k++) {
         Vec3 own = vec3_from_f(mesh->positions[k]), corner = faces->map ? affine_point(faces->map, own) : own;
         for (uint32_t i = 0; i < slab->n; i++) {
             double along = vec3_dot(vec3_from_f(slab->axes[i]), corner);

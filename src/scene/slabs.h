@@ -1,8 +1,8 @@
 /* slabs.h - bodies with flat faces: window panes, table tops, blocks of glass, still water.
  *
  * Light of the sky and of the sun leaves bodies with parallel faces in the direction in which it came, and the way of light through given
- * flat faces is known in closed form. So looks for light go on through them (slab_lamp.h, slab_sky.h), where at any other
- * boundary they end.
+ * flat faces is known in closed form. So looks for light go on through them (slab_lamp.h, slab_sky.h), where at any other boundary they
+ * end.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_SLABS_H
 #define MEN_SLABS_H

@@ -79,24 +79,6 @@ Vec3 slab_right_beside(Vec3 from, Vec3 towards)
 
 /* ---- looks ---- */
 
-bool slab_start_look(Path *path, const LookPlace *from, int index_lane, Vec3f direction, Path *look)
-{
-    Tracer *tracer = path->tracer, *looker = tracer->looker;
-    Ray ray;
-    if (from->event) {
-        bool through = vec3f_dot(direction, from->place->geometric) < 0;
-        path_start_ray(path, from->event, from->place, through, direction, &ray);
-    } else {
-        ray_begin(&ray, from->place->position, direction);
-        ray.time = path->ray.time;
-    }
-    slab_begin_look(path, looker, index_lane, look);
-    look->ray = ray;
-    if (path_cross_towards(tracer, &ray, &looker->list)) return true;
-    tracer->out_of_memory = true;
-    return false;
-}
-
 bool slab_start_beside(const Path *path, Tracer *looker, Vec3 beside, Vec3f direction, Path *look)
 {
     slab_begin_look(path, looker, path->index_lane, look);

@@ -1,5 +1,5 @@
 /* slab_faces.h - the flat faces between a place and a light, and looks that go by them; private to src/trace.
- * For slab_lamp.h and slab_sky.h, which know in closed form in which direction light comes by given faces.
+ * For slab_lamp.h, which knows in closed form in which direction light comes by given faces.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_SLAB_FACES_H
 #define MEN_SLAB_FACES_H
@@ -22,20 +22,12 @@ typedef struct FaceWay {
 bool slab_find_faces(Path *look, bool past, FaceWay *way);
 /* A hash of all of them, as SlabWay.steps. */
 uint64_t slab_steps_of(const FaceWay *way);
-/* Whether a surface takes light from that direction; normal: as LightQuery's. */
-static inline bool slab_is_in_front(Vec3f normal, Vec3f direction)
-{
-    return vec3f_dot(normal, normal) == 0 || vec3f_dot(direction, normal) > 0;
-}
 /* A place right beside where a way began, on it: on what it began is known no more. */
 Vec3 slab_right_beside(Vec3 from, Vec3 towards);
 /* A look from such a place in a direction, as slab_start_look from the place itself; looker: the path's, which is lent. False when memory
  * ends. */
 bool slab_start_beside(const Path *path, Tracer *looker, Vec3 beside, Vec3f direction, Path *look);
 
-/* A look from a place in a direction, by which indices: see Path.index_lane. The path's looker, which is lent, becomes its tracer. False
- * when memory ends. */
-bool slab_start_look(Path *path, const LookPlace *from, int index_lane, Vec3f direction, Path *look);
 /* On to the next thing that it may go through; false: there is none. */
 bool slab_look_goes_on(Path *look, Event *event);
 /* By the faces of a way; false: they are not met in that order, or nothing is left of the light. */

@@ -52,6 +52,30 @@ void slab_begin_look(const Path *path, Tracer *looker, int index_lane, Path *loo
     look->beta = look->ratio = lanes_all(1);
 }
 
+bool slab_start_ray(Path *path, const LookPlace *from, Vec3f direction, Ray *ray)
+{
+    Tracer *tracer = path->tracer;
+    if (from->event) {
+        bool through = vec3f_dot(direction, from->place->geometric) < 0;
+        path_start_ray(path, from->event, from->place, through, direction, ray);
+    } else {
+        ray_begin(ray, from->place->position, direction);
+        ray->time = path->ray.time;
+    }
+    bool known = path_cross_towards(tracer, ray, &tracer->looker->list);
+    tracer->out_of_memory |= !known;
+    return known;
+}
+
+bool slab_start_look(Path *path, const LookPlace *from, int index_lane, Vec3f direction, Path *look)
+{
+    Ray ray;
+    bool started = slab_start_ray(path, from, direction, &ray);
+    slab_begin_look(path, path->tracer->looker, index_lane, look);
+    look->ray = ray;
+    return started;
+}
+
 bool slab_look_at_face(Path *look, const Event *event, SlabFace *face)
 {
     face->place = path_place(look, event);

@@ -39,6 +39,11 @@ bool slab_is_as_outside(const Path *path, uint32_t medium);
 
 /* ---- for looks ---- */
 
+/* Whether a surface takes light from that direction; normal: as LightQuery's. */
+static inline bool slab_is_in_front(Vec3f normal, Vec3f direction)
+{
+    return vec3f_dot(normal, normal) == 0 || vec3f_dot(direction, normal) > 0;
+}
 /* Where a look meets a face. */
 typedef struct SlabFace {
     SurfacePlace place;
@@ -55,6 +60,11 @@ static inline uint64_t slab_step(uint64_t steps, uint64_t face, bool mirrored)
 }
 /* A look of a path, followed by a tracer of its own, in a ray that is yet to be set. Of which indices: see Path.index_lane. */
 void slab_begin_look(const Path *path, Tracer *looker, int index_lane, Path *look);
+/* The ray of a look from a place in a direction; the list of the path's looker, which is lent, becomes that of its start. False when memory
+ * ends. */
+bool slab_start_ray(Path *path, const LookPlace *from, Vec3f direction, Ray *ray);
+/* A look from a place in a direction, by which indices: see Path.index_lane. The looker becomes its tracer. False when memory ends. */
+bool slab_start_look(Path *path, const LookPlace *from, int index_lane, Vec3f direction, Path *look);
 /* False: it is none. */
 bool slab_look_at_face(Path *look, const Event *event, SlabFace *face);
 /* A thin pane, or a hole in a sheet; false: it is none. */

@@ -3,7 +3,8 @@
 #include "trace/slab_sky.h"
 
 #include "optics/fresnel.h"
-#include "trace/slab_faces.h"
+#include "optics/flat_way.h"
+#include "trace/slab_look.h"
 
 /* A direction in which light from infinity comes to a place, by which faces, and how many steradians outside come of one there. */
 typedef struct SkyStart {
@@ -240,13 +241,13 @@ static uint32_t look_from_within(Path *path, const LookPlace *from, const SkyPla
 static uint32_t media_of(Path *path, const LookPlace *from, Vec3f towards, uint32_t media[2])
 {
     uint32_t n = 0;
-    Path look;
+    Ray ray;
     const Vec3f normal = from->place->geometric, sides[2] = {normal, vec3f_negate(normal)};
     const bool one_side = vec3f_dot(from->normal, from->normal) > 0;
     for (int i = 0; i < (from->event && !one_side ? 2 : 1); i++) {
         Vec3f direction = !from->event ? towards : one_side ? from->normal : sides[i];
-        if (!slab_start_look(path, from, -1, direction, &look)) break;
-        uint32_t medium = nest_medium(&look.tracer->list);
+        if (!slab_start_ray(path, from, direction, &ray)) break;
+        uint32_t medium = nest_medium(&path->tracer->looker->list);
         if (n == 0 || media[0] != medium) media[n++] = medium;
     }
     return n;
