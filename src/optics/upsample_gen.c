@@ -54,21 +54,13 @@ static double solve_table(float *table)
 static bool write_table(FILE *out, const float *table)
 {
     fputs("/* Made by upsample_gen; see optics/upsample_table.h. */\n#include \"optics/upsample_table.h\"\n\n"
-          "const float upsample_table[3][UPSAMPLE_KNOTS][UPSAMPLE_KNOTS][UPSAMPLE_KNOTS][3] = {\n",
+          "const float upsample_table[3][UPSAMPLE_FLOATS + 1] = {\n",
           out);
     for (int largest = 0; largest < 3; largest++) {
-        fputs("{", out);
-        for (int z = 0; z < UPSAMPLE_KNOTS; z++) {
-            fputs("{\n", out);
-            for (int second = 0; second < UPSAMPLE_KNOTS; second++) {
-                fputs("{", out);
-                for (int first = 0; first < UPSAMPLE_KNOTS; first++, table += 3)
-                    fprintf(out, "{%af,%af,%af},\n", (double)table[0], (double)table[1], (double)table[2]);
-                fputs("},\n", out);
-            }
-            fputs("},\n", out);
-        }
-        fputs("},\n", out);
+        fputs("{\n", out);
+        for (int knot = 0; knot < UPSAMPLE_FLOATS; knot += UPSAMPLE_FACTORS, table += UPSAMPLE_FACTORS)
+            fprintf(out, "%af,%af,%af,\n", (double)table[0], (double)table[1], (double)table[2]);
+        fputs("0},\n", out);
     }
     fputs("};\n", out);
     return !ferror(out);

@@ -5,15 +5,15 @@
 #ifndef MEN_UPSAMPLE_TABLE_H
 #define MEN_UPSAMPLE_TABLE_H
 
-#include <math.h>
-
 /* With cubic interpolation 24 knots leave an error of at most 0.002 in linear RGB, 0.0002 root mean
  * square (measured; upsample_test.c prints both). Linear interpolation needs 33, so 2.6 times the
  * memory, and then has 0.002 and 0.0006. */
-enum { UPSAMPLE_KNOTS = 24 };
+enum { UPSAMPLE_KNOTS = 24, UPSAMPLE_FACTORS = 3 };
 
-/* [largest channel][knot of z][knot of the second other][knot of the first other][coefficient] */
-extern const float upsample_table[3][UPSAMPLE_KNOTS][UPSAMPLE_KNOTS][UPSAMPLE_KNOTS][3];
+/* For each largest channel: [knot of z][knot of the second other][knot of the first other][factor], and one number more, so that
+ * four can be loaded from where the last three are. */
+enum { UPSAMPLE_FLOATS = UPSAMPLE_KNOTS * UPSAMPLE_KNOTS * UPSAMPLE_KNOTS * UPSAMPLE_FACTORS };
+extern const float upsample_table[3][UPSAMPLE_FLOATS + 1];
 
 /* Values of z nearer to 0 or 1 are raised or lowered to this; the coefficients diverge there. */
 #define UPSAMPLE_MARGIN 1e-4
@@ -23,10 +23,6 @@ extern const float upsample_table[3][UPSAMPLE_KNOTS][UPSAMPLE_KNOTS][UPSAMPLE_KN
 static inline double upsample_smoothstep(double t)
 {
     return t * t * (3 - 2 * t);
-}
-static inline double upsample_inverse_smoothstep(double x)
-{
-    return 0.5 - sin(asin(1 - 2 * x) / 3);
 }
 
 static inline double upsample_z_of_knot(int knot)
