@@ -16,6 +16,12 @@
 #define SPECTRUM_MAX_NM 830.0f
 enum { SPECTRUM_STEP_NM = 5, SPECTRUM_SAMPLES = 95 }; /* (830 - 360) / 5 + 1 */
 
+/* Four of them at a time, n times. */
+typedef struct Wavelengths {
+    int n;
+    const Lanes *nm;
+} Wavelengths;
+
 typedef enum SpectrumKind {
     SPECTRUM_CONSTANT,  /* value[0] everywhere */
     SPECTRUM_SIGMOID,   /* scale * S(c0 + c1 w + c2 w^2), w in 0..1 over the range; [JH19] */

@@ -3,6 +3,7 @@
 #include "optics/surface_texture.h"
 
 #include "base/angle.h"
+#include "base/attr.h"
 #include "base/hash.h"
 #include "optics/color.h"
 
@@ -153,12 +154,9 @@ static uint32_t run_formula(const Texture *texture, const TexturePlace *place, d
     return texture->program->n_outputs;
 }
 
-static Lanes formula_value(const Texture *texture, const TexturePlace *place, Lanes wavelength_nm)
+/* Red, green and blue as the spectrum that they stand for: of light, where the texture shines. */
+static void spectrum_of_color(const Texture *texture, const double rgb[3], const Wavelengths *at, Lanes *values)
 {
-    double rgb[PROGRAM_MOST_OUTPUTS];
-    bool number = run_formula(texture, place, rgb) == 1;
-    if (number && !texture->shines) return lanes_all((float)rgb[0]);
-    if (number) rgb[1] = rgb[2] = rgb[0];
     float held[3], largest = 0, coefficients[3];
     for (int i = 0; i < 3; i++) {
         held[i] = (float)fmax(texture->shines ? rgb[i] : fmin(rgb[i], 1), 0);
@@ -166,13 +164,28 @@ static Lanes formula_value(const Texture *texture, const TexturePlace *place, La
     }
     if (!texture->shines) {
         upsample_coefficients(held, coefficients);
-        return upsample_at(coefficients, wavelength_nm);
+        for (int k = 0; k < at->n; k++) values[k] = upsample_at(coefficients, at->nm[k]);
+        return;
     }
     /* as pictures of light: spectra are smooth below 1/2 */
-    if (!(largest > 0)) return lanes_all(0);
-    for (int i = 0; i < 3; i++) held[i] /= 2 * largest;
+    const float scale = 2 * largest;
+    if (largest > 0)
+        for (int i = 0; i < 3; i++) held[i] /= scale;
     upsample_coefficients(held, coefficients);
-    return lanes_scale(lanes_mul(upsample_at(coefficients, wavelength_nm), white_at(wavelength_nm)), 2 * largest);
+    for (int k = 0; k < at->n; k++)
+        values[k] = lanes_scale(lanes_mul(upsample_at(coefficients, at->nm[k]), white_at(at->nm[k])), scale);
+}
+
+static void formula_value(const Texture *texture, const TexturePlace *place, const Wavelengths *at, Lanes *values)
+{
+    double rgb[PROGRAM_MOST_OUTPUTS];
+    bool number = run_formula(texture, place, rgb) == 1;
+    if (number && !texture->shines) {
+        for (int k = 0; k < at->n; k++) values[k] = lanes_all((float)rgb[0]);
+        return;
+    }
+    if (number) rgb[1] = rgb[2] = rgb[0];
+    spectrum_of_color(texture, rgb, at, values);
 }
 
 /* ---- pictures ---- */
@@ -278,15 +291,23 @@ static int find_looks(const Texture *texture, const TexturePlace *place, Texture
     return n;
 }
 
-static Lanes picture_color(const Texture *texture, const TexturePlace *place, Lanes wavelength_nm)
+static void picture_color(const Texture *texture, const TexturePlace *place, const Wavelengths *at, Lanes *values)
 {
     TextureLook looks[MOST_LOOKS];
     float weights[MOST_LOOKS];
     int n = find_looks(texture, place, looks, weights);
-    Lanes sum = lanes_all(0);
-    for (int i = 0; i < n; i++)
-        sum = lanes_add(sum, lanes_scale(texture_image_color(texture->image, &looks[i], wavelength_nm), weights[i]));
-    return sum;
+    for (int k = 0; k < at->n; k++) values[k] = lanes_all(0);
+    for (int i = 0; i < n; i++) texture_image_add_color(texture->image, &looks[i], weights[i], at, values);
+}
+
+static void picture_value(const Texture *texture, const TexturePlace *place, const Wavelengths *at, Lanes *values)
+{
+    if (texture_image_channels(texture->image) == 3) {
+        picture_color(texture, place, at, values);
+        return;
+    }
+    const Lanes value = lanes_all(texture_vector_at(texture, place).x);
+    for (int k = 0; k < at->n; k++) values[k] = value;
 }
 
 Vec3f texture_vector_at(const Texture *texture, const TexturePlace *place)
@@ -388,66 +409,68 @@ static Lanes at_parts(const Texture *texture, const PatternParts *parts, Lanes w
     return sum;
 }
 
-static Lanes value_at(const Texture *textures, const Texture *texture, const TexturePlace *place, Lanes wavelength_nm)
+static void steps_at(const Texture *textures, const Texture *texture, const TexturePlace *place, const Wavelengths *at,
+                     Lanes *values)
 {
-    if (texture->is_value && texture->kind == TEXTURE_FORMULA) return formula_value(texture, place, wavelength_nm);
-    if (texture->is_value)
-        return texture_image_channels(texture->image) == 3 ? picture_color(texture, place, wavelength_nm)
-                                                           : lanes_all(texture_vector_at(texture, place).x);
-    if (texture->n_stops && texture->kind == TEXTURE_PATTERN) {
+    float part = part_of(textures, texture, place);
+    if (texture->n_stops) {
+        for (int k = 0; k < at->n; k++) values[k] = at_stops(texture, part, at->nm[k]);
+        return;
+    }
+    Lanes high[COLOR_FOURS];
+    if (part < 1) texture_at_each(textures, texture->low, place, at, values);
+    if (part > 0) texture_at_each(textures, texture->high, place, at, part < 1 ? high : values);
+    if (part <= 0 || part >= 1) return;
+    for (int k = 0; k < at->n; k++) values[k] = mix_lanes(values[k], high[k], part);
+}
+
+static void value_at(const Texture *textures, const Texture *texture, const TexturePlace *place, const Wavelengths *at,
+                     Lanes *values)
+{
+    if (texture->is_value && texture->kind == TEXTURE_FORMULA) {
+        formula_value(texture, place, at, values);
+    } else if (texture->is_value) {
+        picture_value(texture, place, at, values);
+    } else if (texture->n_stops && texture->kind == TEXTURE_PATTERN) {
         PatternParts parts;
         parts_of_pattern(texture, place, &parts);
-        return at_parts(texture, &parts, wavelength_nm);
+        for (int k = 0; k < at->n; k++) values[k] = at_parts(texture, &parts, at->nm[k]);
+    } else {
+        steps_at(textures, texture, place, at, values);
     }
-    float part = part_of(textures, texture, place);
-    if (texture->n_stops) return at_stops(texture, part, wavelength_nm);
-    if (part <= 0) return texture_at(textures, texture->low, place, wavelength_nm);
-    if (part >= 1) return texture_at(textures, texture->high, place, wavelength_nm);
-    return mix_lanes(texture_at(textures, texture->low, place, wavelength_nm),
-                     texture_at(textures, texture->high, place, wavelength_nm), part);
 }
 
 /* Of one that changes while the shutter is open. */
-static Lanes moving_at(const Texture *textures, const Texture *texture, const TexturePlace *place, Lanes wavelength_nm)
+ATTR_COLD static void moving_at(const Texture *textures, const Texture *texture, const TexturePlace *place,
+                                const Wavelengths *at, Lanes *values)
 {
     Texture now;
     texture_between(texture, place->time, &now);
-    if (now.kind == TEXTURE_CONSTANT) return mix_spectra(&now.value, &now.later->value, now.part, wavelength_nm);
-    return value_at(textures, &now, place, wavelength_nm);
+    if (now.kind != TEXTURE_CONSTANT) {
+        value_at(textures, &now, place, at, values);
+        return;
+    }
+    for (int k = 0; k < at->n; k++) values[k] = mix_spectra(&now.value, &now.later->value, now.part, at->nm[k]);
+}
+
+void texture_at_each(const Texture *textures, uint32_t number, const TexturePlace *place, const Wavelengths *at,
+                     Lanes *values)
+{
+    const Texture *texture = &textures[number];
+    if (UNLIKELY(texture->keys != NULL)) {
+        moving_at(textures, texture, place, at, values);
+    } else if (texture->kind == TEXTURE_CONSTANT) {
+        for (int k = 0; k < at->n; k++) values[k] = spectrum_at(&texture->value, at->nm[k]);
+    } else {
+        value_at(textures, texture, place, at, values);
+    }
 }
 
 Lanes texture_at(const Texture *textures, uint32_t number, const TexturePlace *place, Lanes wavelength_nm)
 {
-    const Texture *texture = &textures[number];
-    if (UNLIKELY(texture->keys != NULL)) return moving_at(textures, texture, place, wavelength_nm);
-    if (texture->kind == TEXTURE_CONSTANT) return spectrum_at(&texture->value, wavelength_nm);
-    return value_at(textures, texture, place, wavelength_nm);
-}
-
-void texture_at_each(const Texture *textures, uint32_t number, const TexturePlace *place,
-                     const Lanes wavelength_nm[COLOR_FOURS], Lanes values[COLOR_FOURS])
-{
-    const Texture *texture = &textures[number];
-    if (texture->kind == TEXTURE_CONSTANT || texture->is_value || texture->keys) {
-        for (int k = 0; k < COLOR_FOURS; k++) values[k] = texture_at(textures, number, place, wavelength_nm[k]);
-        return;
-    }
-    if (texture->n_stops && texture->kind == TEXTURE_PATTERN) {
-        PatternParts parts;
-        parts_of_pattern(texture, place, &parts);
-        for (int k = 0; k < COLOR_FOURS; k++) values[k] = at_parts(texture, &parts, wavelength_nm[k]);
-        return;
-    }
-    float part = part_of(textures, texture, place);
-    if (texture->n_stops) {
-        for (int k = 0; k < COLOR_FOURS; k++) values[k] = at_stops(texture, part, wavelength_nm[k]);
-        return;
-    }
-    Lanes high[COLOR_FOURS];
-    if (part < 1) texture_at_each(textures, texture->low, place, wavelength_nm, values);
-    if (part > 0) texture_at_each(textures, texture->high, place, wavelength_nm, part < 1 ? high : values);
-    if (part <= 0 || part >= 1) return;
-    for (int k = 0; k < COLOR_FOURS; k++) values[k] = mix_lanes(values[k], high[k], part);
+    Lanes value;
+    texture_at_each(textures, number, place, &(Wavelengths){1, &wavelength_nm}, &value);
+    return value;
 }
 
 float texture_number_at(const Texture *textures, uint32_t number, const TexturePlace *place)

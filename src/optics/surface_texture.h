@@ -81,9 +81,9 @@ typedef struct TexturePlace {
 
 /* The value for each of the wavelengths. */
 Lanes texture_at(const Texture *textures, uint32_t number, const TexturePlace *place, Lanes wavelength_nm);
-/* The same at all the wavelengths of a ReflectedColor, where what does not depend on them is looked up once. */
-void texture_at_each(const Texture *textures, uint32_t number, const TexturePlace *place,
-                     const Lanes wavelength_nm[COLOR_FOURS], Lanes values[COLOR_FOURS]);
+/* The same at several, COLOR_FOURS at most: what does not depend on them is looked up once. */
+void texture_at_each(const Texture *textures, uint32_t number, const TexturePlace *place, const Wavelengths *at,
+                     Lanes *values);
 /* A number. */
 float texture_number_at(const Texture *textures, uint32_t number, const TexturePlace *place);
 /* The three numbers of an image's pixel. */

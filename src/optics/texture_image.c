@@ -273,23 +273,21 @@ static Lanes add_color(Lanes sum, const Four *four, float weight, Lanes waveleng
     return sum;
 }
 
-static Lanes mixed_color(const TextureImage *image, const TextureLook *look, Lanes wavelength_nm)
+void texture_image_add_color(const TextureImage *image, const TextureLook *look, float weight,
+                             const Wavelengths *wavelengths, Lanes *sums)
 {
     TextureLook at = usable(look);
     float part;
     if (at.wrap == WRAP_ONCE && image->light == 0) at.wrap = WRAP_CLAMP;
     int level = level_of(image, &at, &part);
-    Four four = four_around(image, level, &at);
-    Lanes sum = add_color(lanes_all(0), &four, 1 - part, wavelength_nm);
-    if (!(part > 0)) return sum;
-    four = four_around(image, level + 1, &at);
-    return add_color(sum, &four, part, wavelength_nm);
-}
-
-Lanes texture_image_color(const TextureImage *image, const TextureLook *look, Lanes wavelength_nm)
-{
-    Lanes color = mixed_color(image, look, wavelength_nm);
-    return image->light > 0 ? lanes_mul(lanes_scale(color, image->light), white_at(wavelength_nm)) : color;
+    Four near = four_around(image, level, &at), far = near;
+    if (part > 0) far = four_around(image, level + 1, &at);
+    for (int k = 0; k < wavelengths->n; k++) {
+        Lanes nm = wavelengths->nm[k], color = add_color(lanes_all(0), &near, 1 - part, nm);
+        if (part > 0) color = add_color(color, &far, part, nm);
+        if (image->light > 0) color = lanes_mul(lanes_scale(color, image->light), white_at(nm));
+        sums[k] = lanes_add(sums[k], lanes_scale(color, weight));
+    }
 }
 
 /* Where a part of the four is of nothing, vectors are those of a flat surface. */

@@ -46,8 +46,11 @@ typedef struct TextureLook {
     TextureWrap wrap;
 } TextureLook;
 /* Trilinear between the two versions whose pixels are next to the wider of both widths in size: what is seen of a picture
- * that is stretched in one direction is blurred in the other rather than left to alias. */
-Lanes texture_image_color(const TextureImage *image, const TextureLook *look, Lanes wavelength_nm);
+ * that is stretched in one direction is blurred in the other rather than left to alias. Adds weight times the value for each of the
+ * wavelengths to the sums. */
+void texture_image_add_color(const TextureImage *image, const TextureLook *look, float weight,
+                             const Wavelengths *wavelengths, Lanes *sums);
+/* The same of numbers. */
 void texture_image_numbers(const TextureImage *image, const TextureLook *look, float *values);
 
 #endif

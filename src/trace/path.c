@@ -214,6 +214,15 @@ static void find_infinity(Path *path)
         tracer->counters.nesting_faults += compiled_bounded_in(world->compiled, &tracer->list);
 }
 
+/* Surfaces alone count for that: where a medium scatters the path, what is behind. */
+static void note_sight(const Path *path, const Event *event)
+{
+    if (event->kind == EVENT_SCATTER)
+        sight_look(path, event->t);
+    else
+        sight_note(path, event, &path->tracer->first_sight);
+}
+
 static void follow(Path *path, bool first)
 {
     Tracer *tracer = path->tracer;
@@ -221,8 +230,8 @@ static void follow(Path *path, bool first)
     const bool textured = world->scene->n_textures > 0;
     bool clear = first, second = false; /* nothing but boundaries so far; what comes now stands behind one */
     const bool notes_sight = UNLIKELY(tracer->notes_sight) && first;
-    const bool looks_ahead = notes_sight && (world->scatters || tracer->notes_behind);
-    if (UNLIKELY(looks_ahead)) sight_look(path);
+    const bool looks_ahead = notes_sight && tracer->notes_behind;
+    if (UNLIKELY(looks_ahead)) sight_look(path, 0);
     for (;; second = first, first = false) {
         Event event;
         if (UNLIKELY(clear && path->looks))
@@ -235,7 +244,7 @@ static void follow(Path *path, bool first)
             tracer->seen = seen_first(world, &event, first);
         bool notes = textured && clear && event.kind == EVENT_OPAQUE;
         clear = clear && event.kind == EVENT_BOUNDARY;
-        if (UNLIKELY(notes_sight && !looks_ahead) && first) sight_note(path, &event, &tracer->first_sight);
+        if (UNLIKELY(notes_sight && !looks_ahead) && first) note_sight(path, &event);
         if (event.kind == EVENT_LOST) tracer->out_of_memory = true;
         if (event.kind == EVENT_LOST || event.kind == EVENT_GIVE_UP) return;
         if (event.kind == EVENT_ESCAPE) {

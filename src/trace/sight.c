@@ -241,9 +241,7 @@ static void look_behind(Path *look, Event *event, FirstSight *behind)
     float passed[3] = {0, 0, 0};
     double distance = 0;
     uint32_t entered = NEST_WORLD;
-    for (uint32_t i = 0; i < MOST_BOUNDARIES; i++) {
-        if (textured) path_reach(look, event);
-        if (!look_through(look, event)) break;
+    for (uint32_t i = 0; i < MOST_BOUNDARIES && look_through(look, event); i++) {
         if (textured) path_widen(look);
         entered = compiled_hull(tracer->world->compiled, event->hit.object);
         add_thing(&things, tracer->world, event, passed);
@@ -251,12 +249,15 @@ static void look_behind(Path *look, Event *event, FirstSight *behind)
         look->bounce++;
         look->straight = nest_medium(&tracer->list) == WORLD_MEDIUM;
         path_next_event(look, event);
+        if (textured) path_reach(look, event);
         if (event->kind == EVENT_SCATTER)
             add_way(&ways, event->medium, event->t);
         else if (event->kind == EVENT_BOUNDARY || event->kind == EVENT_OPAQUE)
             add_way(&ways, event->medium, event->hit.t);
     }
-    if (event->kind == EVENT_SCATTER)
+    if (!things.n)
+        *behind = tracer->first_sight; /* nothing is looked through */
+    else if (event->kind == EVENT_SCATTER)
         note_scattering(look, event, entered, behind);
     else
         sight_note(look, event, behind);
@@ -268,7 +269,7 @@ static void look_behind(Path *look, Event *event, FirstSight *behind)
         behind->through = behind->medium; /* most of what is seen is from there, however thin a layer tells */
 }
 
-void sight_look(const Path *path)
+void sight_look(const Path *path, double t)
 {
     Tracer *tracer = path->tracer;
     const PathCounters counters = tracer->counters;
@@ -279,9 +280,11 @@ void sight_look(const Path *path)
     look.straight = true;
     look.looks = false;
     look.fork = NULL;
+    if (t > 0) look.ray.t_min = t;
     tracer->out_of_memory = nest_list_copy(&kept, &tracer->list) != STATUS_OK || tracer->out_of_memory;
     if (!tracer->out_of_memory) {
         path_next_event(&look, &event);
+        if (tracer->world->scene->n_textures > 0) path_reach(&look, &event);
         sight_note(&look, &event, &tracer->first_sight);
         if (tracer->notes_behind) look_behind(&look, &event, &tracer->behind);
         if (nest_list_copy(&tracer->list, &kept) != STATUS_OK) tracer->out_of_memory = true;

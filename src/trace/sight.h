@@ -7,8 +7,8 @@
 
 /* What a path from the camera has come to. */
 void sight_note(const Path *path, const Event *event, FirstSight *sight);
-/* What the camera's ray would meet first if no medium scattered it, and what it sees behind what is clear, into the tracer's sights. The
- * path stays as it is, and nothing of it counts. */
-void sight_look(const Path *path);
+/* What the camera's ray would meet first from t on, up to which the tracer's list has come, if no medium scattered it, and what it sees
+ * behind what is clear, into the tracer's sights. The path stays as it is, and nothing of it counts. */
+void sight_look(const Path *path, double t);
 
 #endif

@@ -209,6 +209,7 @@ void path_read_albedos(const Path *path, const Event *event, const SceneSurface 
     }
     TextureView view;
     texture_view(world, surface, &path->ray, &event->hit, (double)path->cone_width, &view);
-    texture_at_each(world->scene->textures, surface->textures[i].texture, &view.at, wavelength_nm, albedo);
+    const Wavelengths at = {COLOR_FOURS, wavelength_nm};
+    texture_at_each(world->scene->textures, surface->textures[i].texture, &view.at, &at, albedo);
     for (int k = 0; k < COLOR_FOURS; k++) albedo[k] = lanes_clamp(albedo[k], 0, 1);
 }

@@ -177,7 +177,7 @@ static void formulas_agree_with_patterns(void **state)
                 assert_near((double)lanes_get(a, lane), (double)lanes_get(b, lane), 2e-6);
             for (int row = 0; row < 2; row++) { /* at once as one by one */
                 Lanes values[COLOR_FOURS];
-                texture_at_each(f.scene->textures, rows[row], &at, color.nm, values);
+                texture_at_each(f.scene->textures, rows[row], &at, &(Wavelengths){COLOR_FOURS, color.nm}, values);
                 for (int n = 0; n < COLOR_FOURS; n++) {
                     Lanes value = texture_at(f.scene->textures, rows[row], &at, color.nm[n]);
                     for (int lane = 0; lane < LANES; lane++)
