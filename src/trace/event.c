@@ -38,19 +38,38 @@ bool path_cross(Tracer *tracer, NestList *list, const Hit *hits, size_t n, NestC
     return true;
 }
 
+static bool cross_into_next(Tracer *tracer, const Event *event, NestCrossing *crossing)
+{
+    bool good = nest_list_copy(&tracer->next, &tracer->list) == STATUS_OK &&
+                path_cross(tracer, &tracer->next, tracer->hits.items, event->n_cluster, crossing);
+    if (UNLIKELY(!good)) tracer->out_of_memory = true;
+    return good;
+}
+
 bool path_cross_into_next(Tracer *tracer, const Event *event)
 {
     NestCrossing crossing;
-    bool good = nest_list_copy(&tracer->next, &tracer->list) == STATUS_OK &&
-                path_cross(tracer, &tracer->next, tracer->hits.items, event->n_cluster, &crossing);
-    if (UNLIKELY(!good)) tracer->out_of_memory = true;
-    return good;
+    return cross_into_next(tracer, event, &crossing);
 }
 
 /* Whether a boundary between these media can be seen: their indices differ at some wavelength carried. */
 static bool media_differ(Path *path, uint32_t a, uint32_t b)
 {
     return a != b && !lanes_equal(path_ior(path, a), path_ior(path, b));
+}
+
+bool path_passes_into_boundary(Path *path, Event *event)
+{
+    Tracer *tracer = path->tracer;
+    NestCrossing crossing;
+    if (LIKELY(event->n_cluster == 1) || !cross_into_next(tracer, event, &crossing) || crossing.opaque ||
+        !media_differ(path, crossing.medium_from, crossing.medium_to))
+        return false;
+    event->kind = EVENT_BOUNDARY;
+    event->behind = BEHIND_IN_NEXT;
+    event->crossing = crossing;
+    event->hit = *path_boundary_hit(tracer, &tracer->list, tracer->hits.items, event->n_cluster, &crossing);
+    return true;
 }
 
 /* Crossing the hits of several at one place one after another, the one at which the medium last becomes what it is behind them all, or

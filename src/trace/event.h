@@ -64,6 +64,9 @@ void path_turn_back(Tracer *tracer);
 bool path_cross(Tracer *tracer, NestList *list, const Hit *hits, size_t n, NestCrossing *crossing);
 /* tracer->next becomes the list behind the event's surfaces, from tracer->list on; false when memory ends, which the tracer is told. */
 bool path_cross_into_next(Tracer *tracer, const Event *event);
+/* Where light has gone straight through a thin sheet, event, that lies in a boundary between media: the event becomes the boundary's.
+ * False: the sheet lies in none, or memory ends. */
+bool path_passes_into_boundary(Path *path, Event *event);
 /* The one of the hits at one place that stands for a boundary there, or for an opaque surface of hulls; before: the list in front. */
 const Hit *path_boundary_hit(Tracer *tracer, const NestList *before, const Hit *hits, size_t n,
                              const NestCrossing *crossing);

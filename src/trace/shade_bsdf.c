@@ -260,6 +260,18 @@ static bool choose_direction(Path *path, const Bsdf *bsdf, const SurfacePlace *p
     return true;
 }
 
+/* Light that has gone through a sheet is bent at the boundary in which that lies, and straight looks do not go there. */
+static bool cross_behind_sheet(Path *path, Event *event)
+{
+    path->scatter_pdf = -1;
+    path->probing.bent = true;
+    path->bounce++; /* the boundary has random numbers of its own */
+    path->slab_way.bounce = SLAB_NOWHERE;
+    bool goes_on = path_cross_boundary(path, event);
+    path->slab_way.bounce = SLAB_NOWHERE;
+    return goes_on;
+}
+
 static bool scatter(Path *path, Event *event, Bsdf *bsdf, const SurfacePlace *place, const Frame *frame, bool *straight)
 {
     Vec3f view = to_local(frame, vec3f_negate(path->ray.direction)), direction;
@@ -305,6 +317,10 @@ static bool scatter(Path *path, Event *event, Bsdf *bsdf, const SurfacePlace *pl
     }
     path->beta = lanes_mul(path->beta, sample.weight);
     path->ratio = lanes_mul(path->ratio, lanes_scale(sample.pdf_w, 1 / hero));
+    if (UNLIKELY(on && event->n_cluster > 1) && path_passes_into_boundary(path, event)) {
+        *straight = false;
+        return cross_behind_sheet(path, event);
+    }
     path_leave(path, event, place, sample.transmitted, direction);
     path->ray.sight = sight;
     return true;

@@ -142,6 +142,12 @@ static bool bend(Path *look, const Event *event, Vec3f normal, Vec3f *direction)
     return passes;
 }
 
+static const SceneSurface *surface_of(const Path *look, const Event *event)
+{
+    const ObjectLook *object = &look->tracer->world->looks[event->hit.object];
+    return object->surface == SCENE_NONE ? NULL : path_surface(look, event, object->surface);
+}
+
 static bool cross_boundary(Path *look, Event *event, const SceneSurface *surface)
 {
     SurfacePlace place = path_place(look, event);
@@ -158,13 +164,14 @@ static bool cross_boundary(Path *look, Event *event, const SceneSurface *surface
     return true;
 }
 
-/* A sheet does not bend what comes through. */
+/* A sheet does not bend what comes through; a boundary in which it lies does. */
 static bool cross_sheet(Path *look, Event *event, const SceneSurface *surface)
 {
     SurfacePlace place = path_place(look, event);
     BsdfSpec room;
     if (!surface->thin || !surface->finished || !is_clear(look, spec_at(look, event, surface, &place, &room)))
         return false;
+    if (path_passes_into_boundary(look, event)) return cross_boundary(look, event, surface_of(look, event));
     if (!path_cross_into_next(look->tracer, event)) return false;
     path_leave(look, event, &place, true, look->ray.direction);
     return true;
@@ -173,11 +180,9 @@ static bool cross_sheet(Path *look, Event *event, const SceneSurface *surface)
 /* Whether the line goes on behind what it has come to. */
 static bool look_through(Path *look, Event *event)
 {
-    const World *world = look->tracer->world;
     if (event->kind != EVENT_BOUNDARY && event->kind != EVENT_OPAQUE) return false;
-    const ObjectLook *object = &world->looks[event->hit.object];
-    if (object->light != SCENE_NONE) return false;
-    const SceneSurface *surface = object->surface == SCENE_NONE ? NULL : path_surface(look, event, object->surface);
+    if (look->tracer->world->looks[event->hit.object].light != SCENE_NONE) return false;
+    const SceneSurface *surface = surface_of(look, event);
     if (event->kind == EVENT_OPAQUE) return surface && cross_sheet(look, event, surface);
     return cross_boundary(look, event, surface);
 }

@@ -97,6 +97,13 @@ static void take_route(Path *look, const BeamRoute *route, FaceWay *way)
 
 /* ---- densities ---- */
 
+/* Whether a path that has found a lamp by chance knows what look would have found it: that starts again where the path met the first
+ * face, in the hulls that hold the place. Where the hull entered last is on top, which of them is depends on the way to there. */
+static bool knows_looks(const World *world)
+{
+    return world->compiled->order.policy != NEST_ENTERED;
+}
+
 /* The object of a lamp that is a ball, which does not hide the places behind it from looks; RTC_NO_OBJECT: it is none. */
 static uint32_t ball_of(const World *world, uint32_t emitter)
 {
@@ -209,7 +216,9 @@ float slab_lamp_density(Path *path, const Hit *hit)
     const World *world = path->tracer->world;
     const SlabWay *gone = &path->slab_way;
     uint32_t emitter = emitter_of_hit(&world->emitters, hit);
-    if (!slab_way_has_rival(path) || emitter == EMITTER_NONE || world->emitters.emitters[emitter].cut) return 0;
+    if (!slab_way_has_rival(path) || !knows_looks(world) || emitter == EMITTER_NONE ||
+        world->emitters.emitters[emitter].cut)
+        return 0;
     if (gone->n_mirrored == 1) return density_mirrored(path, emitter, hit);
     Vec3 from = path->scatter_point, to = ray_point(&path->ray, hit->t);
     FaceWay way;
@@ -228,7 +237,7 @@ bool slab_lamp_is_looked_at(const Path *photon, uint32_t emitter, const Ray *beg
     float often;
     const World *world = photon->tracer->world;
     uint32_t medium = nest_medium(&photon->tracer->list);
-    return world_lights_through(world, medium)->near > 0 && emitter != EMITTER_NONE &&
+    return world_lights_through(world, medium)->near > 0 && knows_looks(world) && emitter != EMITTER_NONE &&
            !world->emitters.emitters[emitter].cut &&
            finds_way(photon, slab_right_beside(place, photon->ray.origin), emitter, begin->origin, begin->direction,
                      &way, &often) &&
@@ -426,7 +435,8 @@ static void look_straight(Path *path, const LookPlace *from, LightLooks *looks)
 {
     LightSample *light = &looks->lights[0];
     const Vec3 position = from->place->position;
-    if (!(light->pdf_w > 0) || light->glow || light->slack > 0 || !isfinite(light->distance) ||
+    if (!(light->pdf_w > 0) || light->glow || light->slack > 0 || !(light->delta || knows_looks(path->tracer->world)) ||
+        !isfinite(light->distance) ||
         !slabs_are_on_way(&path->tracer->world->slabs, position, light->direction, light->distance))
         return;
     const Vec3 place = place_of(path, position, light);
@@ -472,6 +482,7 @@ static void look_at_beam(Path *path, const LookPlace *from, LightLooks *looks)
     const Vec3f direction = vec3f_from(vec3_scale(to, 1 / distance));
     if (!at.mirrored && !is_bent(path, from, emitter, at.place, direction, distance)) return;
     const bool has_area = at.area > 0;
+    if (has_area && !knows_looks(world)) return;
     double density = at.mirrored ? beams_density_mirrored(world, position, at.mirrored, at.place, time)
                                  : beams_density(world, position, emitter, at.place, time);
     *light = (LightSample){.direction = direction,

@@ -20,8 +20,8 @@ void slab_meet_face(Path *path, const Event *event, uint64_t face, bool mirrored
     const float parallel = 1 - 1e-6f;
     SlabWay *way = &path->slab_way;
     if (!path_is_in_slabs(path)) {
-        *way = (SlabWay){.medium = event->crossing.medium_from,
-                         .outside = slab_is_as_outside(path, event->crossing.medium_from),
+        *way = (SlabWay){.medium = event->medium,
+                         .outside = slab_is_as_outside(path, event->medium),
                          .to_and_fro = true,
                          .first_face = ray_point(&path->ray, event->hit.t),
                          .direction = path->ray.direction,
@@ -93,7 +93,7 @@ bool slab_cross_pane(Path *look, Event *event)
     SurfacePlace place = path_place(look, event);
     look->beta = lanes_mul(look->beta, path_pass_panes(look, &look->ray, tracer->hits.items, event->n_cluster,
                                                        nest_medium(&tracer->list)));
-    if (!path_cross_into_next(tracer, event)) return false;
+    if (path_passes_into_boundary(look, event) || !path_cross_into_next(tracer, event)) return false;
     path_leave(look, event, &place, true, look->ray.direction);
     return true;
 }

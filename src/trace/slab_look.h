@@ -67,7 +67,7 @@ bool slab_start_ray(Path *path, const LookPlace *from, Vec3f direction, Ray *ray
 bool slab_start_look(Path *path, const LookPlace *from, int index_lane, Vec3f direction, Path *look);
 /* False: it is none. */
 bool slab_look_at_face(Path *look, const Event *event, SlabFace *face);
-/* A thin pane, or a hole in a sheet; false: it is none. */
+/* A thin pane, or a hole in a sheet; false: it is none, or lies in a boundary. */
 bool slab_cross_pane(Path *look, Event *event);
 
 #endif

@@ -683,6 +683,86 @@ static void holes_in_glass(void **state)
 }
 
 /* A box with a thin surface is two panes, between which light goes to and fro. */
+/* Which hull is on top may depend on how a path came to a place, and what a surface bends on nothing but its own medium. */
+static void by_other_policies(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *what;
+        NestPolicy policy;
+        const char *text;
+    } cases[] = {
+        {"the sun in bodies that nothing orders", NEST_NONE,
+         "camera { from = <4.96, 3.5, 5>  to = <0, 0, 0>  fov = .01deg }  ground { surface "
+         "= wall }\n"
+         "plane { translate(<0, 42.23, 0>)  interior = glass }\n"
+         "box { from = <-24.96, -27.12, -14.19>  to = <8.96, 17.94, 24.35>  interior = flint }\n"
+         "light { shape = distant  from = <-53, 28.3, -66.5>  to = <0, 0, 0>  angle = 20deg  radiance = 3 }\n"},
+        {"a lamp above bodies, the last entered on top", NEST_ENTERED,
+         "camera { from = <-2, 3.1, 3>  to = <0, 0, 0>  fov = .01deg }  ground { surface "
+         "= wall }\n"
+         "box { from = <-10, -5, -10>  to = <10, 10, 10>  interior = glass }\n"
+         "box { from = <-12, -5, -12>  to = <12, 8, 12>  interior = water }\n"
+         "light { shape = sphere  from = <0, 18, 0>  radius = 4  radiance = 4 }\n"},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        char text[1500];
+        snprintf(text, sizeof text,
+                 "meniscus 1.0 unit mm\n"
+                 "medium flint { ior = 1.7  state = solid }  medium glass { ior = 1.5  state = solid }\n"
+                 "medium water { ior = 1.33  state = liquid }  surface wall { albedo = .8 }\n%s",
+                 cases[i].text);
+        const TruthInput input = {.text = text, .policy = cases[i].policy};
+        RenderSettings looking = truth_small(2048), by_chance = truth_small(16384);
+        looking.caustics = by_chance.caustics = CAUSTICS_OFF;
+        by_chance.by_chance = true;
+        truth_alike(cases[i].what, truth_measure_input(input, &by_chance), truth_measure_input(input, &looking), 4,
+                    0.02);
+    }
+}
+
+/* A sheet in the very boundary between media, where light that it lets through is bent: one that does nothing is none, and looks find no
+ * more or less than chance. */
+static void sheets_in_boundaries(void **state)
+{
+    (void)state;
+    static const char sheet[] = "mesh { positions = [<-50, 0, -50>, <50, 0, -50>, <50, 0, 50>, <-50, 0, 50>]\n"
+                                "triangles = [<0, 2, 1>, <0, 3, 2>]  surface = %s }\n";
+    static const char sun[] =
+        "light { shape = distant  from = <-.3, 1, .2>  to = <0, 0, 0>  angle = 20deg  radiance = 10 }\n",
+                      lamp[] = "light { shape = sphere  from = <10, 60, 0>  radius = 20  radiance = 10 }\n";
+    static const struct {
+        const char *what, *surface, *light;
+    } cases[] = {
+        {"the sun through a sheet of nothing on water", "nothing", sun},
+        {"a lamp through a sheet of nothing on water", "nothing", lamp},
+        {"the sun through a pane on water", "pane", sun},
+        {"a lamp through a pane on water", "pane", lamp},
+        {"the sun through holes in a sheet on water", "lace", sun},
+        {"a lamp through holes in a sheet on water", "lace", lamp},
+        {"no sheet", NULL, sun},
+        {"no sheet", NULL, lamp},
+    };
+    Estimate found[COUNT_OF(cases)];
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        char text[1800], lies[400] = "";
+        if (cases[i].surface) snprintf(lies, sizeof lies, sheet, cases[i].surface);
+        snprintf(text, sizeof text,
+                 "meniscus 1.0 unit mm " PANE "medium water { ior = 1.33  state = liquid }\n"
+                 "surface nothing { thin = true  transmission = 1  ior = 1  specular = 0 }\n"
+                 "def holes(p) = mod(floor(p.x / 3) + floor(p.z / 3), 2)\n"
+                 "surface lace { mix = [nothing, surface { albedo = .6 }]  weight = holes }\n"
+                 "camera { from = <-10.9, -10, 20>  to = <0, -60, 0>  fov = .01deg }\n"
+                 "ground { y = -60  surface = surface { albedo = .8 } }\n"
+                 "box { from = <-100, -60, -100>  to = <100, 0, 100>  interior = water }\n%s%s",
+                 lies, cases[i].light);
+        found[i] = truth_measure(text, NULL, 4096, true);
+        if (cases[i].surface) truth_alike(cases[i].what, truth_measure(text, NULL, 4096, false), found[i], 4, 0.02);
+    }
+    truth_alike("the sun through nothing", found[0], found[6], 4, 0.01);
+    truth_alike("a lamp through nothing", found[1], found[7], 4, 0.01);
+}
+
 static void double_glazing(void **state)
 {
     (void)state;
@@ -739,6 +819,8 @@ int main(void)
         cmocka_unit_test(within_slabs),
         cmocka_unit_test(between_slabs),
         cmocka_unit_test(mirrored_to_dark_side),
+        cmocka_unit_test(by_other_policies),
+        cmocka_unit_test(sheets_in_boundaries),
         cmocka_unit_test(double_glazing),
         cmocka_unit_test(lamps_of_lines),
     };

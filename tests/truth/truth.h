@@ -114,6 +114,8 @@ void truth_fill(char *text, size_t size, const char *pattern, const char *value)
 Estimate truth_measure(const char *text, double (*sky)(double), uint32_t samples, bool by_chance);
 /* The same, rendered in a way of one's own: truth_small's, and what is changed of it. */
 Estimate truth_measure_as(const char *text, double (*sky)(double), const RenderSettings *settings);
+/* And of any input. */
+Estimate truth_measure_input(TruthInput input, const RenderSettings *settings);
 RenderSettings truth_small(uint32_t samples);
 
 #endif
