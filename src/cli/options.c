@@ -73,6 +73,7 @@ static const struct {
     {"GA", "-v, and -q for less"},
     {"antialias", "-s 256: more samples smooth edges, too"},
     {"samples", "--spp 32"},
+    {"sample", "--spp 32"},
     {"samples-per-pixel", "--spp 32"},
     {"o", "--slice-output level.png"},
     {"out", "--output picture.exr"},
@@ -116,6 +117,18 @@ static const char *habit_of(Command command, const char *word)
     return found;
 }
 
+/* Of n names, the only one that begins with a word of three letters or more; NULL: there is none, or several. */
+static const char *only_one_with_start(const char *word, size_t length, const char *const *names, size_t n)
+{
+    const char *found = NULL;
+    for (size_t i = 0; length >= 3 && i < n; i++) {
+        if (strncmp(names[i], word, length) != 0) continue;
+        if (found) return NULL;
+        found = names[i];
+    }
+    return found;
+}
+
 /* An option of another command is named with that command; else the nearest of this one. */
 static Status unknown_name(Parser *parser, const char *name, size_t length)
 {
@@ -138,6 +151,7 @@ static Status unknown_name(Parser *parser, const char *name, size_t length)
         if (command_has_option(command, key) && option_row(key)->name && option_row(key)->help)
             names[n++] = option_row(key)->name;
     const char *near = suggest_nearest(wrong, names, n);
+    if (!near && !habit) near = only_one_with_start(wrong, length, names, n);
     if (habit && !near) return fail(parser->error, STATUS_USAGE, "unknown option '--%s'; here it is %s", wrong, habit);
     return fail(parser->error, STATUS_USAGE, "unknown option '--%.*s'%s%s%s", (int)length, name,
                 near ? "; did you mean '--" : "", near ? near : "", near ? "'?" : "");

@@ -384,7 +384,10 @@ static void report_unused_defines(Evaluator *evaluator)
         if (define->used) continue;
         Diagnostic *report =
             eval_report(evaluator, D_UNKNOWN_PARAM, define->span, "the scene has no parameter '%s'", define->name);
-        diag_suggest_or_list(evaluator->diag, report, define->name, names, evaluator->n_params, "parameters");
+        if (strcmp(define->name, "clock") == 0 || strcmp(define->name, "frame") == 0)
+            diag_hint(evaluator->diag, report, "that of the frame is set by --%s", define->name);
+        else
+            diag_suggest_or_list(evaluator->diag, report, define->name, names, evaluator->n_params, "parameters");
     }
 }
 

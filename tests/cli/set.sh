@@ -109,6 +109,13 @@ says err "'focus' has no effect without an aperture"
 says err "'coat_tint' has no effect without a coat"
 end
 
+begin "-D clock=.5: the clock has an option of its own"
+small_scene
+run check small.mns -D clock=.5
+exits 3
+says err "hint: that of the frame is set by --clock"
+end
+
 begin "-D and --set: blanks around the '='"
 small_scene
 echo 'param count = 3' >> small.mns

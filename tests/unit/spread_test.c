@@ -152,6 +152,23 @@ static void one_colour_is_seen_sooner(void **state)
     }
 }
 
+/* What is too little for the film to hold is not taken out of it, either. */
+static void less_than_nothing_is_left_nowhere(void **state)
+{
+    (void)state;
+    const float little[3] = {1e-14f, 1e-14f, 1e-14f}, none[3] = {0, 0, 0};
+    Films films;
+    begin(&films);
+    for (uint32_t y = 0; y < SIDE; y++)
+        for (uint32_t x = 0; x < SIDE; x++)
+            for (int i = 0; i < 32; i++) add(&films, x, y, i || x % 12 != 6 || y % 12 != 6 ? none : little, 7);
+    resolve(&films, whole);
+    for (uint32_t y = 0; y < SIDE; y++)
+        for (uint32_t x = 0; x < SIDE; x++)
+            for (int c = 0; c < 3; c++) assert_true(image_at(&films.spread, x, y)[c] == 0);
+    end(&films);
+}
+
 /* Sixteen grey ones make a haze of what is dark, and four a small disc, however bright; as many that are of one colour each say too
  * little of that. */
 static void few_of_one_colour_stay(void **state)
@@ -934,6 +951,7 @@ int main(void)
         cmocka_unit_test(what_would_be_seen_anywhere_stays),
         cmocka_unit_test(what_few_bring_to_the_dark_is_a_haze),
         cmocka_unit_test(one_colour_is_seen_sooner),
+        cmocka_unit_test(less_than_nothing_is_left_nowhere),
         cmocka_unit_test(few_of_one_colour_stay),
         cmocka_unit_test(colours_make_up_for_each_other),
         cmocka_unit_test(what_is_dark_gets_what_is_found_there),
