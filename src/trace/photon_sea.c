@@ -15,6 +15,8 @@ enum { SEEN_TILES = PHOTON_TILES - 4 };
 #define AROUND_PART 0.1
 /* Of the picture, at each of the four borders: a few rays that go far towards the horizon do not say how far photons are to go. */
 #define LEFT_OUT 0.0005
+/* And of the landings, the deepest. */
+#define TOO_DEEP 0.05
 /* No pixel of a picture has these coordinates. */
 enum { VIEW_PIXEL_X = 0x70736561, VIEW_PIXEL_Y = 0x76696577 };
 
@@ -22,6 +24,7 @@ enum { VIEW_PIXEL_X = 0x70736561, VIEW_PIXEL_Y = 0x76696577 };
 typedef struct Landing {
     double along[3];
     double weight; /* what the path carries */
+    double depth;  /* below the surface, see find_heights */
 } Landing;
 
 typedef struct Seas {
@@ -161,27 +164,6 @@ static bool find_axes(Seas *seas)
     return any;
 }
 
-/* From the deepest landing to the surfaces above all of them. Of landings that are outside, to which light comes off the surface,
- * just that counts. */
-static void find_heights(const Seas *seas, double *low, double *high)
-{
-    double normal[3], offset;
-    *low = HUGE_VAL;
-    *high = -HUGE_VAL;
-    for (uint32_t k = 0; k < seas->n; k++) {
-        const double *p = seas->landings[k].along;
-        for (uint32_t i = 0; i < seas->world->compiled->n_planes; i++) {
-            if (!surface_of(seas, i, normal, &offset)) continue;
-            double height = normal[0] * p[0] + normal[1] * p[1] + normal[2] * p[2] + offset, slope = normal[seas->up];
-            bool steep = fabs(slope) < 1e-3 * (fabs(normal[0]) + fabs(normal[1]) + fabs(normal[2]));
-            double at_surface = steep ? p[seas->up] : p[seas->up] - height / slope;
-            double here = height < 0 ? p[seas->up] : at_surface;
-            *low = fmin(*low, fmin(here, at_surface));
-            *high = fmax(*high, fmax(here, at_surface));
-        }
-    }
-}
-
 /* ---- tiles ---- */
 
 /* All that differ have an order, so that it is the same by every library's qsort. */
@@ -250,6 +232,51 @@ static Leaf trim(Seas *seas)
     leaf.end = seas->n;
     leaf.weight = weight_of(seas->landings, seas->n);
     return leaf;
+}
+
+/* Of a landing and the surfaces above it, the lowest and the highest. One that is outside, to which light comes off the surface,
+ * counts as being there. */
+static void heights_of(const Seas *seas, const Landing *landing, double heights[2])
+{
+    double normal[3], offset;
+    const double *p = landing->along;
+    heights[0] = HUGE_VAL;
+    heights[1] = -HUGE_VAL;
+    for (uint32_t i = 0; i < seas->world->compiled->n_planes; i++) {
+        if (!surface_of(seas, i, normal, &offset)) continue;
+        double height = normal[0] * p[0] + normal[1] * p[1] + normal[2] * p[2] + offset, slope = normal[seas->up];
+        bool steep = fabs(slope) < 1e-3 * (fabs(normal[0]) + fabs(normal[1]) + fabs(normal[2]));
+        double at_surface = steep ? p[seas->up] : p[seas->up] - height / slope;
+        double here = height < 0 ? p[seas->up] : at_surface;
+        heights[0] = fmin(heights[0], fmin(here, at_surface));
+        heights[1] = fmax(heights[1], fmax(here, at_surface));
+    }
+}
+
+static int compare_depths(const void *left, const void *right)
+{
+    const Landing *a = left, *b = right;
+    return a->depth != b->depth ? (a->depth < b->depth ? -1 : 1) : compare_along(a, b, 0);
+}
+
+/* From the deepest landing, but for a few, to the surfaces above all of them: where a sea without a bottom scatters light, some paths
+ * of the camera go a hundred times as deep as what is seen, and boxes for those would send next to no photons there. */
+static void find_heights(Seas *seas, double heights[2])
+{
+    double here[2];
+    for (uint32_t i = 0; i < seas->n; i++) {
+        heights_of(seas, &seas->landings[i], here);
+        seas->landings[i].depth = here[1] - here[0];
+    }
+    qsort(seas->landings, seas->n, sizeof *seas->landings, compare_depths);
+    uint32_t n = count_of(seas->landings, seas->n, 1 - TOO_DEEP);
+    heights[0] = HUGE_VAL;
+    heights[1] = -HUGE_VAL;
+    for (uint32_t i = 0; i <= n && i < seas->n; i++) {
+        heights_of(seas, &seas->landings[i], here);
+        heights[0] = fmin(heights[0], here[0]);
+        heights[1] = fmax(heights[1], here[1]);
+    }
 }
 
 static double leaf_area(const Leaf *leaf)
@@ -383,7 +410,7 @@ static void lay_tiles(Seas *seas, PhotonTile tiles[PHOTON_TILES], uint32_t *n)
     Leaf leaves[SEEN_TILES];
     double heights[2];
     Leaf whole = trim(seas);
-    find_heights(seas, &heights[0], &heights[1]);
+    find_heights(seas, heights);
     for (int k = 0; k < 2; k++) {
         double margin =
             0.1 * (heights[1] - heights[0]); /* waves send light aside, and a picture may show next to a point */
