@@ -23,7 +23,7 @@
  * say: errors there were a fifth larger with that. The colours of water are nearer. */
 #define PARTED 0.01f
 /* Photons of a sheet, of many, that lobes are held to; and how many are enough to say that a lobe is right. */
-enum { HELD_TO = 48, ENOUGH = 16 };
+enum { HELD_TO = 48, MOST_HELD = 4 * HELD_TO, ENOUGH = 16 };
 /* Directions that are farther from what is known of a sheet are not of it, in radians. Its bends over a cell are less; two
  * sheets through one glass were seen 0.17 apart, and the fainter one was asked for all of the light. */
 #define ONE_SHEET 0.1f
@@ -402,12 +402,27 @@ static float deal_out_near(const GuidePhotons *cell, const GuideLobe *lobes, She
 
 /* ---- what is narrow of it ---- */
 
-/* Photons of which the cell's lobes are not made: so they say how good these are. */
+/* Photons that say how good the cell's lobes are: those of which none is made, and each of the others for the lobes but its own. */
 typedef struct Held {
-    const Photon *photons[3 * HELD_TO];
-    float flux[3 * HELD_TO];
-    uint32_t n;
+    const Photon *photons[MOST_HELD];
+    float flux[MOST_HELD];
+    uint32_t n, n_lobes, lobes[HELD_TO]; /* of the first n_lobes: the numbers of their own lobes */
+    float radius;                        /* of the cell */
 } Held;
+
+/* The cell's own of which lobes are made. Where all are, photons from beside it alone would judge lobes that hold for places within:
+ * one cell in a hundred of a lake bed in the sun, behind rippled ice, was a dark rectangle for that, with few samples that were far
+ * too bright. */
+static void hold_known(Held *held, const GuidePhotons *cell)
+{
+    for (uint32_t i = 0; i < cell->n_known && held->n < HELD_TO; i++) {
+        if (cell->known[i].lent) continue;
+        held->photons[held->n] = cell->known[i].photon;
+        held->flux[held->n] = photon_flux_there(cell->known[i].photon);
+        held->lobes[held->n++] = i;
+    }
+    held->n_lobes = held->n;
+}
 
 /* Some of n more, each of which counts as `part`: those that are not farther from the origin. */
 static void hold(Held *held, const Photon *photons, uint32_t n, float part, Vec3f origin, float farthest)
@@ -424,13 +439,16 @@ static void hold(Held *held, const Photon *photons, uint32_t n, float part, Vec3
  * chandelier held lobes of its bulbs to few strong photons that had landed on its ring, and chose these for nine of ten directions.) */
 static void hold_all(Held *held, const GuidePhotons *cell)
 {
+    enum { FEW_OTHERS = 8 };
     const float beside = 6; /* of its own radius */
-    float radius = 0;
+    uint32_t n_others = 0;
+    for (uint32_t i = 0; i < cell->n; i++) n_others += !cell->photons[i].lobe;
+    if (n_others < FEW_OTHERS) hold_known(held, cell);
     for (uint32_t i = 0; i < cell->n; i++)
-        radius = float_max(radius, vec3f_length(vec3f_along(cell->photons[i].position, -1, cell->origin)));
-    hold(held, cell->photons, cell->n, 1, cell->origin, radius);
+        held->radius = float_max(held->radius, vec3f_length(vec3f_along(cell->photons[i].position, -1, cell->origin)));
+    hold(held, cell->photons, cell->n, 1, cell->origin, held->radius);
     for (int side = 0; side < 2; side++)
-        hold(held, cell->near[side].photons, cell->near[side].n, cell->near_part, cell->origin, beside * radius);
+        hold(held, cell->near[side].photons, cell->near[side].n, cell->near_part, cell->origin, beside * held->radius);
 }
 
 /* What comes by one way, that of photon number `first`. */
@@ -445,7 +463,7 @@ typedef struct Way {
 static uint32_t find_ways(const Held *held, Way ways[GUIDE_CELL_WAYS])
 {
     enum { FEWEST = 8 };
-    bool told[3 * HELD_TO] = {false};
+    bool told[MOST_HELD] = {false};
     uint32_t n_ways = 0;
     for (uint32_t i = 0; i < held->n; i++) {
         Way way = {.first = i};
@@ -480,12 +498,23 @@ static GuideLobe lobe_of_way(const Held *held, const Way *way)
 /* What directions are chosen by: a cell's narrow lobes together, those of ways, and the one for all. */
 enum { NARROW, FIRST_BROAD, CHOICES = FIRST_BROAD + GUIDE_CELL_WAYS + 1 };
 
-/* The density that each of these has, chosen alone, of the direction of a photon. narrow: the narrow ones, of which there are
- * n_narrow; broad: the n_broad others. */
-static void densities_of(const GuideFour *narrow, uint32_t n_narrow, const GuideFour *broad, uint32_t n_broad,
-                         GuidePlace place, Vec3f direction, float pdf[CHOICES])
+/* The density that each of these has, chosen alone, of the direction of a held photon, the own lobe of which is far away for that.
+ * narrow: the narrow ones, of which there are n_narrow; broad: the n_broad others. */
+static void densities_of(const Held *held, uint32_t i, Vec3f origin, GuideFour *narrow, uint32_t n_narrow,
+                         const GuideFour *broad, uint32_t n_broad, float pdf[CHOICES])
 {
+    const float far_away = 1e4f; /* radii */
+    const Vec3f direction = held->photons[i]->from;
+    const GuidePlace place = place_of(held->photons[i], origin);
+    const uint32_t own = i < held->n_lobes ? held->lobes[i] : UINT32_MAX, lane = own % LANES;
+    float there = 0;
+    if (own < n_narrow) {
+        Lanes *where = &narrow[own / LANES].place.x;
+        there = lanes_get(*where, (int)lane);
+        lanes_set(where, (int)lane, there + far_away * held->radius);
+    }
     pdf[NARROW] = n_narrow > 0 ? guide_lobes_pdf(narrow, n_narrow, place, direction) : 0;
+    if (own < n_narrow) lanes_set(&narrow[own / LANES].place.x, (int)lane, there);
     for (uint32_t k = 0; k < n_broad; k++) pdf[FIRST_BROAD + k] = guide_lobes_pdf(&broad[k], 1, place, direction);
 }
 
@@ -529,7 +558,7 @@ static uint32_t add_broad(const GuidePhotons *cell, uint32_t n_narrow, float bro
     GuideLobe *others = lobes + n_narrow;
     Held held = {.n = 0};
     Way ways[GUIDE_CELL_WAYS];
-    float pdf[3 * HELD_TO][CHOICES], parts[CHOICES] = {1 - broad};
+    float pdf[MOST_HELD][CHOICES], parts[CHOICES] = {1 - broad};
     hold_all(&held, cell);
     uint32_t n_ways = find_ways(&held, ways), n_broad = n_ways + 1;
     for (uint32_t k = 0; k < n_ways; k++) others[k] = lobe_of_way(&held, &ways[k]);
@@ -543,8 +572,7 @@ static uint32_t add_broad(const GuidePhotons *cell, uint32_t n_narrow, float bro
     if (n_ways > 0) {
         if (n_narrow > 0) guide_lay_in_fours(lobes, n_narrow, narrow);
         for (uint32_t i = 0; i < held.n; i++)
-            densities_of(narrow, n_narrow, alone, n_broad, place_of(held.photons[i], cell->origin),
-                         held.photons[i]->from, pdf[i]);
+            densities_of(&held, i, cell->origin, narrow, n_narrow, alone, n_broad, pdf[i]);
         find_parts(&held, pdf, FIRST_BROAD + n_broad, parts);
     }
     if (n_ways == 0 || parts[NARROW] > right) {
