@@ -228,6 +228,7 @@ static Status read_choice(const OptionRow *row, const char *spelled, const char 
     char words[MOST_CHOICES][CHOICE_SIZE], list[256] = "";
     const char *pointers[MOST_CHOICES], *rest = row->choices;
     size_t n = 0;
+    if (row == option_row(OPTION_UNIT) && text[0] == '1' && text[1]) text++; /* as a scene has it: unit = 1m */
     while (n < MOST_CHOICES && choice_next(&rest, words[n], CHOICE_SIZE)) {
         if (strcmp(words[n], text) == 0) {
             value->text = text;

@@ -93,7 +93,8 @@ void bright_film_add(BrightFilm *film, uint32_t x, uint32_t y, const float rgb[3
     if (reflected->mean >= 0) add_reflected(pixel, reflected);
     if (UNLIKELY(film->slices != NULL) && !tally_add(&film->slices[i].things, thing, 1)) film->out_of_memory = true;
     float light = bright_light(rgb);
-    if (LIKELY(!(light > pixel->least)) || light < (float)FILM_UNIT) return; /* less is not in the film's sums, either */
+    if (LIKELY(!(light > pixel->least)) || light < (float)FILM_UNIT)
+        return; /* less is not in the film's sums, either */
     int at = keep(pixel, rgb, seen);
     if (film->slices && at >= 0) insert(film->slices[i].kept, at, thing);
 }

@@ -72,7 +72,7 @@ says err "material 'paper': its picture 'gone.png' is not there, and is left out
 matches bottle.mns '^medium green_glass \{ ior = 1.52  state = solid  tint = rgb\(0.3333, 1, 0.5\)'
 says bottle.mns 'image { file = "maps/paper.png" }'
 is_a_scene bottle.mns
-run import bottle.obj -o inches.mns --unit in
+run import bottle.obj -o inches.mns --unit 1in
 exits 0
 says_not err 'is assumed'
 says inches.mns 'unit = 25.4mm'
