@@ -171,16 +171,34 @@ static uint32_t sort_by_sheet(GuidePhotons *cell, Sheet *sheets)
     return n_sheets;
 }
 
-/* Of the lobes of a cell's known photons, the one that foretells a photon best; n_known: none does. */
-static uint32_t best_lobe_for(const GuidePhotons *cell, const GuideLobe *lobes, const Photon *photon)
+/* The lobes of a cell's known photons, and by which way each came. */
+typedef struct KnownLobes {
+    Vec3f origin;
+    uint32_t n, ways[GUIDE_CELL_LOBES];
+    GuideFour fours[GUIDE_CELL_FOURS];
+} KnownLobes;
+
+static void lay_known(const GuidePhotons *cell, GuideLobe *lobes, KnownLobes *known)
 {
-    uint32_t best = cell->n_known;
-    float least = ONE_SHEET * ONE_SHEET;
-    GuidePlace place = place_of(photon, cell->origin);
-    for (uint32_t i = 0; i < cell->n_known; i++) {
-        if (cell->known[i].photon->way != photon->way) continue;
-        float apart = apart_squared(&lobes[i], place, photon->from);
-        if (apart < least) least = apart, best = i;
+    known->origin = cell->origin;
+    known->n = cell->n_known;
+    for (uint32_t i = 0; i < known->n; i++) {
+        lobes[i] = lobe_of_photon(cell->known[i].photon, cell->origin);
+        known->ways[i] = cell->known[i].photon->way;
+    }
+    guide_lay_in_fours(lobes, known->n, known->fours);
+}
+
+/* The lobe that foretells a photon best; known->n: none does. */
+static uint32_t best_lobe_for(const KnownLobes *known, const Photon *photon)
+{
+    uint32_t best = known->n;
+    float least = ONE_SHEET * ONE_SHEET, apart[LANES];
+    GuidePlace place = place_of(photon, known->origin);
+    for (uint32_t first = 0; first < known->n; first += LANES) {
+        lanes_store(guide_lobes_apart_squared(&known->fours[first / LANES], place, photon->from), apart);
+        for (uint32_t i = first; i < known->n && i < first + LANES; i++)
+            if (known->ways[i] == photon->way && apart[i - first] < least) least = apart[i - first], best = i;
     }
     return best;
 }
@@ -203,17 +221,17 @@ typedef struct Unknown {
 } Unknown;
 
 /* Adds what n photons, each of which counts as `part`, say of it to n_unknown that are there; returns how many are then. */
-static uint32_t add_unknown(const GuidePhotons *cell, const GuideLobe *lobes, const Photon *photons, uint32_t n,
-                            float part, bool own, Unknown *unknown, uint32_t n_unknown)
+static uint32_t add_unknown(const KnownLobes *known, const Photon *photons, uint32_t n, float part, bool own,
+                            Unknown *unknown, uint32_t n_unknown)
 {
     for (const Photon *photon = photons; photon < photons + n; photon++) {
-        if (best_lobe_for(cell, lobes, photon) < cell->n_known) continue;
+        if (best_lobe_for(known, photon) < known->n) continue;
         uint32_t k = 0;
-        while (k < n_unknown && !is_foretold(photon, unknown[k].photon, &unknown[k].lobe, cell->origin)) k++;
+        while (k < n_unknown && !is_foretold(photon, unknown[k].photon, &unknown[k].lobe, known->origin)) k++;
         if (k == GUIDE_CELL_LENT) continue; /* so many parts that none is much */
         if (k == n_unknown)
             unknown[n_unknown++] =
-                (Unknown){.photon = photon, .lobe = lobe_of_photon(photon, cell->origin), .own = own};
+                (Unknown){.photon = photon, .lobe = lobe_of_photon(photon, known->origin), .own = own};
         unknown[k].flux += part * photon_flux_there(photon);
         unknown[k].n += part;
     }
@@ -231,11 +249,12 @@ static bool may_be_missed(const Unknown *unknown, float total)
 static uint32_t find_unknown(const GuidePhotons *cell, Unknown *unknown)
 {
     GuideLobe lobes[GUIDE_CELL_KNOWN];
-    for (uint32_t i = 0; i < cell->n_known; i++) lobes[i] = lobe_of_photon(cell->known[i].photon, cell->origin);
-    uint32_t n_all = add_unknown(cell, lobes, cell->photons, cell->n, 1, true, unknown, 0), n = 0;
+    KnownLobes known;
+    lay_known(cell, lobes, &known);
+    uint32_t n_all = add_unknown(&known, cell->photons, cell->n, 1, true, unknown, 0), n = 0;
     for (int side = 0; side < 2; side++)
-        n_all = add_unknown(cell, lobes, cell->near[side].photons, cell->near[side].n, cell->near_part, false, unknown,
-                            n_all);
+        n_all =
+            add_unknown(&known, cell->near[side].photons, cell->near[side].n, cell->near_part, false, unknown, n_all);
     float total = flux_of(cell->photons, cell->n);
     for (uint32_t i = 0; i < n_all; i++)
         if (unknown[i].own || may_be_missed(&unknown[i], total)) unknown[n++] = unknown[i];
@@ -354,20 +373,20 @@ static float bend_of(const GuidePhotons *cell, const GuideLobe *lobes, const Gui
 }
 
 /* The sheet whose lobes foretell a photon best; NULL: none does. */
-static Sheet *sheet_of(const GuidePhotons *cell, const GuideLobe *lobes, const Photon *photon, Sheet *sheets)
+static Sheet *sheet_of(const KnownLobes *known, const Photon *photon, Sheet *sheets)
 {
-    uint32_t best = best_lobe_for(cell, lobes, photon);
-    if (best == cell->n_known) return NULL;
+    uint32_t best = best_lobe_for(known, photon);
+    if (best == known->n) return NULL;
     while (best >= sheets->end) sheets++;
     return sheets;
 }
 
 /* Gives each photon to its sheet; returns the light that is of none. */
-static float deal_out(const GuidePhotons *cell, const GuideLobe *lobes, Sheet *sheets)
+static float deal_out(const GuidePhotons *cell, const KnownLobes *known, Sheet *sheets)
 {
     float lost = 0;
     for (const Photon *photon = cell->photons; photon < cell->photons + cell->n; photon++) {
-        Sheet *sheet = sheet_of(cell, lobes, photon, sheets);
+        Sheet *sheet = sheet_of(known, photon, sheets);
         if (!sheet) {
             lost += photon_flux_there(photon);
             continue;
@@ -381,13 +400,13 @@ static float deal_out(const GuidePhotons *cell, const GuideLobe *lobes, Sheet *s
 /* Gives them those of cells near by, too, which say as well how good their lobes are. Of a sheet that none of the cell's tells of,
  * the light is what of n photons in a mean cell near by may be missing by chance: n / (n + 1) of one of them, the mean of a gamma
  * distribution. Returns the light of all sheets. */
-static float deal_out_near(const GuidePhotons *cell, const GuideLobe *lobes, Sheet *sheets, uint32_t n_sheets)
+static float deal_out_near(const GuidePhotons *cell, const KnownLobes *known, Sheet *sheets, uint32_t n_sheets)
 {
     float sum = 0;
     for (int side = 0; side < 2; side++)
         for (uint32_t i = 0; i < cell->near[side].n; i++) {
             const Photon *photon = &cell->near[side].photons[i];
-            Sheet *sheet = sheet_of(cell, lobes, photon, sheets);
+            Sheet *sheet = sheet_of(known, photon, sheets);
             if (!sheet) continue;
             sheet->near_flux += cell->near_part * photon_flux_there(photon);
             sheet->n_near += cell->near_part;
@@ -591,17 +610,14 @@ static uint32_t add_broad(const GuidePhotons *cell, uint32_t n_narrow, float bro
 uint32_t guide_fit(GuidePhotons *cell, GuideLobe *lobes)
 {
     Sheet sheets[GUIDE_CELL_LOBES];
-    GuideFour fours[GUIDE_CELL_FOURS];
+    KnownLobes known;
     const uint32_t n_known = cell->n_known, n_sheets = sort_by_sheet(cell, sheets);
     float total = 0, sum = 0, size = 1e-30f;
-    for (uint32_t i = 0; i < n_known; i++) {
-        lobes[i] = lobe_of_photon(cell->known[i].photon, cell->origin);
-        size = float_max(size, vec3f_dot(lobes[i].place, lobes[i].place));
-    }
-    guide_lay_in_fours(lobes, n_known, fours);
-    float lost = deal_out(cell, lobes, sheets);
+    lay_known(cell, lobes, &known);
+    for (uint32_t i = 0; i < n_known; i++) size = float_max(size, vec3f_dot(lobes[i].place, lobes[i].place));
+    float lost = deal_out(cell, &known, sheets);
     total = flux_of(cell->photons, cell->n);
-    float broad = BROAD + (1 - BROAD) * lost / total, of_sheets = deal_out_near(cell, lobes, sheets, n_sheets);
+    float broad = BROAD + (1 - BROAD) * lost / total, of_sheets = deal_out_near(cell, &known, sheets, n_sheets);
     for (const Sheet *sheet = sheets; sheet < sheets + n_sheets; sheet++) {
         float weight = of_sheets > 0 ? sheet->flux / of_sheets : 0;
         sum += weight;
@@ -609,7 +625,7 @@ uint32_t guide_fit(GuidePhotons *cell, GuideLobe *lobes)
             lobes[i].weight = weight;
             lobes[i].cumulative = sum;
             lobes[i].n_sheet = sheet->end - sheet->first;
-            lobes[i].bend = bend_of(cell, lobes, fours, sheet, i, size);
+            lobes[i].bend = bend_of(cell, lobes, known.fours, sheet, i, size);
         }
     }
     return add_broad(cell, n_known, broad, lobes);

@@ -132,6 +132,17 @@ static LanesVec3 means_of(const GuideFour *four, GuidePlace place)
 #undef SUM
 }
 
+Lanes guide_lobes_apart_squared(const GuideFour *four, GuidePlace place, Vec3f direction)
+{
+    Lanes along = lanes_add(lanes_all(1), dots_with(&four->axis, direction));
+    Lanes stretch = lanes_sqrt(lanes_div(lanes_all(2), lanes_greater(along, lanes_all(1e-3f))));
+    Lanes x = lanes_sub(lanes_mul(stretch, dots_with(&four->x, direction)), four->mean_x);
+    Lanes y = lanes_sub(lanes_mul(stretch, dots_with(&four->y, direction)), four->mean_y);
+    x = lanes_sub(lanes_sub(x, dots_with(&four->slope_x, place.offset)), lanes_scale(four->hue_x, place.color));
+    y = lanes_sub(lanes_sub(y, dots_with(&four->slope_y, place.offset)), lanes_scale(four->hue_y, place.color));
+    return lanes_add(lanes_mul(x, x), lanes_mul(y, y));
+}
+
 static Vec3f vector_in(const LanesVec3 *four, int lane)
 {
     return (Vec3f){lanes_get(four->x, lane), lanes_get(four->y, lane), lanes_get(four->z, lane)};

@@ -55,8 +55,10 @@ static inline uint32_t guide_fours_of(uint32_t n)
 {
     return (n + LANES - 1) / LANES;
 }
-/* Lays n >= 1 lobes of a cell into as many. */
+/* Lays n lobes of a cell into as many. */
 void guide_lay_in_fours(const GuideLobe *lobes, uint32_t n, GuideFour *fours);
+/* How far a direction is from the means of four lobes at a place: squared, in the planes of theirs. */
+Lanes guide_lobes_apart_squared(const GuideFour *four, GuidePlace place, Vec3f direction);
 
 /* The mean direction of one of a cell's lobes at a place. */
 Vec3f guide_lobe_mean(const GuideFour *fours, uint32_t lobe, GuidePlace place);
