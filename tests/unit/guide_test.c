@@ -262,6 +262,41 @@ static void waves(void **state)
     }
 }
 
+/* Where lobes are made of all of a cell's photons, these are right if each is what the others foretell: what lands beside the cell, and
+ * comes from anywhere in a wide square, says little against them. */
+static void judged_within(void **state)
+{
+    (void)state;
+    enum { N = 24, OTHERS = 40 };
+    const float spread = 4e-6f;
+    for (int alike = 0; alike < 2; alike++) {
+        Photon photons[N], others[OTHERS];
+        for (int i = 0; i < N + OTHERS; i++) {
+            bool own = i < N;
+            float wide = own && alike ? 0.002f : 0.08f;
+            Vec3f from = vec3f(.5f + dice_between(-wide, wide), .8f, dice_between(-wide, wide));
+            *(own ? &photons[i] : &others[i - N]) = (Photon){.position = {dice() + (own ? 0 : 1.5f), 0, dice()},
+                                                             .from = vec3f_normalize(from),
+                                                             .flux = 1,
+                                                             .spread = {spread, 0, spread},
+                                                             .number = (uint32_t)i,
+                                                             .lobe = own};
+        }
+        GuidePhotons cell = {.photons = photons,
+                             .n = N,
+                             .n_known = N,
+                             .origin = vec3f(.5f, 0, .5f),
+                             .near = {{others, OTHERS}, {NULL, 0}},
+                             .near_part = 0.125f};
+        for (int i = 0; i < N; i++) cell.known[i].photon = &photons[i];
+        GuideLobe lobes[GUIDE_CELL_LOBES];
+        uint32_t n = guide_fit(&cell, lobes);
+        printf("    photons that %s: %u lobes, %.2f of the choices narrow\n", alike ? "foretell each other" : "do not",
+               n, (double)lobes[N - 1].cumulative);
+        assert_true(alike ? lobes[N - 1].cumulative > 0.7f : lobes[N - 1].cumulative < 0.4f);
+    }
+}
+
 /* Strong light that came by one way to where the tree is near by, and the cell is far away, takes none of its directions. */
 static void far_away(void **state)
 {
@@ -755,8 +790,8 @@ static void flux(void **state)
     lit_clear(&lit);
 }
 
-/* Of a sea without end, which is not quite flat, as looks would find all through a flat one, photons are sent to tiles around what the camera sees of it, some denser than others: what lands on the bottom
- * is what comes to it in the sun, in each of them. */
+/* Of a sea without end, which is not quite flat, as looks would find all through a flat one, photons are sent to tiles around what the
+ * camera sees of it, some denser than others: what lands on the bottom is what comes to it in the sun, in each of them. */
 static void tiles(void **state)
 {
     (void)state;
@@ -799,6 +834,30 @@ static void tiles(void **state)
     assert_true(worst < 5);
     free(photons);
     pool_free(pool);
+    lit_clear(&lit);
+}
+
+/* Where a sea without a bottom scatters light, a few paths go a hundred times as deep as the bed that is seen: photons are sent to what is
+ * above that. */
+static void without_a_bottom(void **state)
+{
+    (void)state;
+    Lit lit;
+    lit_make(&lit, FIXTURE_MEDIA
+             "medium murk { ior = 1.33  scattering = .01 / 1mm }\n"
+             "plane { distance = 2  interior = murk  surface = surface { bump = noise { }  bump_height = 1e-6 } }\n"
+             "box { from = <-60, -4, -60>  to = <60, 0, 60>  surface = surface { albedo = .5 } }\n"
+             "camera { from = <0, 40, 0>  to = <0, 0, -10>  fov = 60 }\n"
+             "light { shape = \"distant\"  from = <0, 1, 0>  to = <0, 0, 0>  angle = .5deg  power = 1 }\n");
+    const PhotonTargets *targets = &lit.targets;
+    double lowest = HUGE_VAL, highest = -HUGE_VAL;
+    for (uint32_t k = 0; k < targets->n_tiles; k++) {
+        lowest = fmin(lowest, targets->boxes[k].min.y);
+        highest = fmax(highest, targets->boxes[k].max.y);
+    }
+    printf("    %u tiles, from %.3g to %.3g\n", targets->n_tiles, lowest, highest);
+    assert_true(targets->n_tiles > 4);
+    assert_true(lowest > -4 && lowest <= 0 && highest >= 2 && highest < 2.1);
     lit_clear(&lit);
 }
 
@@ -933,12 +992,14 @@ static void walks(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(densities),  cmocka_unit_test(sheets),   cmocka_unit_test(waves),  cmocka_unit_test(folds),
-        cmocka_unit_test(doubts),     cmocka_unit_test(corners),  cmocka_unit_test(sides),  cmocka_unit_test(borrowed),
-        cmocka_unit_test(missed),     cmocka_unit_test(keenness), cmocka_unit_test(levels), cmocka_unit_test(flux),
-        cmocka_unit_test(looked_for), cmocka_unit_test(bulbs),    cmocka_unit_test(lenses), cmocka_unit_test(hues),
-        cmocka_unit_test(beams),      cmocka_unit_test(walks),    cmocka_unit_test(tiles),  cmocka_unit_test(gaps),
-        cmocka_unit_test(apart),      cmocka_unit_test(far_away),
+        cmocka_unit_test(densities),  cmocka_unit_test(sheets),        cmocka_unit_test(waves),
+        cmocka_unit_test(folds),      cmocka_unit_test(doubts),        cmocka_unit_test(corners),
+        cmocka_unit_test(sides),      cmocka_unit_test(borrowed),      cmocka_unit_test(missed),
+        cmocka_unit_test(keenness),   cmocka_unit_test(levels),        cmocka_unit_test(flux),
+        cmocka_unit_test(looked_for), cmocka_unit_test(bulbs),         cmocka_unit_test(lenses),
+        cmocka_unit_test(hues),       cmocka_unit_test(beams),         cmocka_unit_test(walks),
+        cmocka_unit_test(tiles),      cmocka_unit_test(gaps),          cmocka_unit_test(apart),
+        cmocka_unit_test(far_away),   cmocka_unit_test(judged_within), cmocka_unit_test(without_a_bottom),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
