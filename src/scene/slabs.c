@@ -272,10 +272,11 @@ static bool add_slab(Slabs *slabs, size_t *capacity, uint32_t object, const Slab
     return true;
 }
 
-static bool is_within_one(const Slabs *slabs, Box3 box)
+/* A body of air, say, that reaches into one that bends light: a hole in it, or a recess. */
+static bool reaches_into_one(const Slabs *slabs, Box3 box)
 {
     for (uint32_t i = 0; i < slabs->n_boxes; i++)
-        if (box3_holds(slabs->boxes[i], box)) return true;
+        if (!box3_is_empty(box3_intersection(slabs->boxes[i], box))) return true;
     return false;
 }
 
@@ -306,7 +307,7 @@ static bool find_one(Finder *finder, Slabs *slabs, Capacities *has, uint32_t num
     SlabKind kind = find_slab(finder, object, &slab);
     if (kind == SLAB_NONE) return true;
     Box3 box = scene_object_bounds(scene, object, NULL);
-    if (!bending && (kind != SLAB_PAIRED || !is_within_one(slabs, box))) return true;
+    if (!bending && (kind != SLAB_PAIRED || !reaches_into_one(slabs, box))) return true;
     slab.within = kind == SLAB_BASIN;
     slab.box = kind == SLAB_PLANE ? everywhere() : with_rim(box);
     slabs->n_bending += bending;

@@ -464,6 +464,14 @@ static void through_slabs(void **state)
          "box { from = <-30, 12, -30>  to = <30, 40, 30>  interior = hole  priority = 5 }\n"
          "box { from = <-30, -40, -30>  to = <30, 8, 30>  interior = hole  priority = 6 }",
          0.01},
+        {"under a pane with a recess, of air that reaches out of it",
+         "box { from = <-30, 8, -30>  to = <30, 12, 30>  interior = glass }\n"
+         "box { from = <-9, 10, -9>  to = <9, 16, 9>  interior = hole }",
+         0.01},
+        {"under a pane with a recess from below, aslant",
+         "box { from = <-30, 8, -30>  to = <30, 12, 30>  interior = flint }\n"
+         "box { from = <-9, 2, -9>  to = <9, 10, 9>  rotate(<8, 20, 5>)  interior = hole }",
+         0.01},
         {"under two panes, of a block with air in it",
          "box { from = <-30, 8, -30>  to = <30, 14, 30>  interior = glass }\n"
          "box { from = <-29, 9, -29>  to = <29, 13, 29>  interior = hole }",
