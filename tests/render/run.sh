@@ -19,7 +19,7 @@ while read -r name limit scene options; do
     if [ "${2:-}" = --make ]; then
         [ "$name" = "${3:-}" ] || continue
         # shellcheck disable=SC2086
-        "$program" render "$scene" $options --size 64x48 --spp 512 --seed 13 --fireflies keep --denoise off --half -q -o "$reference" < /dev/null || exit 1
+        "$program" render "$scene" $options --size 64x48 --spp 4096 --seed 13 --fireflies keep --denoise off --half -q -o "$reference" < /dev/null || exit 1
     fi
     # shellcheck disable=SC2086
     "$program" render "$scene" --spp 32 $options --size 64x48 --seed 1 --denoise off -q -o "$scratch/now.exr" < /dev/null 2> "$scratch/err"
