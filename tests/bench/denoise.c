@@ -52,9 +52,23 @@ static double mean_of(const Image *image)
     return sum;
 }
 
+/* What a render takes that notes nothing of what its pixels meet. */
+static double seconds_without(const Made *made, RenderSettings settings, Pool *pool)
+{
+    RenderStats stats;
+    Image image;
+    Error error = {0};
+    settings.denoises = false;
+    if (render_image(made->compiled, &settings, pool, NULL, &image, &stats, &error) != STATUS_OK)
+        bench_fail("render", &error);
+    image_clear(&image);
+    return stats.cpu_seconds;
+}
+
 /* One render, denoised, and as it was sampled. */
 static void measure(const Made *made, RenderSettings settings, const References *references, Pool *pool)
 {
+    const double without_s = seconds_without(made, settings, pool);
     RenderState state = {0};
     RenderStats stats;
     Image smooth, plain;
@@ -72,9 +86,9 @@ static void measure(const Made *made, RenderSettings settings, const References 
     }
     double before = error_of(&plain, references), after = error_of(&smooth, references);
     double denoise_s = resolve_s[1] - resolve_s[0];
-    printf("  %4u  %8.5f %8.5f %7.2f  %8.4f  %7.2f %7.1f", settings.samples, before, after, before / after,
+    printf("  %4u  %8.5f %8.5f %7.2f  %8.4f  %7.2f %7.1f %7.1f", settings.samples, before, after, before / after,
            mean_of(&smooth) / mean_of(&plain), denoise_s / (smooth.width * smooth.height) * 1e6,
-           100 * denoise_s / (samples_s - denoise_s));
+           100 * denoise_s / (samples_s - denoise_s), 100 * ((samples_s - denoise_s) / without_s - 1));
     image_clear(&smooth);
     image_clear(&plain);
     render_state_clear(&state);
@@ -120,9 +134,11 @@ void bench_denoise(char **paths, int n)
 {
     Pool *pool = pool_of(0);
     printf("denoising, of renders %d pixels wide: samples; squared relative error before and after, and their ratio; "
-           "brightness after\nover before; microseconds of the processor for each pixel, and in ratio to the samples'\n"
-           "%-22s  %4s  %8s %8s %7s  %8s  %7s %7s\n",
-           WIDTH, "", "spp", "before", "after", "ratio", "bright", "us", "%");
+           "brightness after\nover before; microseconds of the processor for each pixel, and in ratio to the samples'; "
+           "and by how "
+           "much those take\nlonger where what is met first is noted for it\n"
+           "%-22s  %4s  %8s %8s %7s  %8s  %7s %7s %7s\n",
+           WIDTH, "", "spp", "before", "after", "ratio", "bright", "us", "%", "notes %");
     for (int i = 0; i < n; i++) measure_scene(paths[i], pool);
     pool_free(pool);
 }

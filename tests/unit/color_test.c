@@ -6,6 +6,7 @@
 
 #include "base/hash.h"
 #include "base/luminance.h"
+#include "dice.h"
 #include "exact_color.h"
 #include "near.h"
 #include "optics/spectral_lines.h"
@@ -396,6 +397,24 @@ static void reflectances_have_colors(void **unused)
                 rgb[c] += lanes_sum(lanes_mul(upsample_at(coefficients, color.nm[i]), color.weights[i][c]));
         for (int c = 0; c < 3; c++) assert_float_equal(rgb[c], colors[k][c], 0.004f); /* see upsample_coefficients */
     }
+    enum { RANDOM = 2000 };
+    Dice dice = {4};
+    double worst = 0, squares = 0;
+    for (int k = 0; k < RANDOM; k++) {
+        const float any[3] = {(float)dice_unit(&dice), (float)dice_unit(&dice), (float)dice_unit(&dice)};
+        float coefficients[3], rgb[3] = {0};
+        upsample_coefficients(any, coefficients);
+        for (int i = 0; i < COLOR_FOURS; i++)
+            for (int c = 0; c < 3; c++)
+                rgb[c] += lanes_sum(lanes_mul(upsample_at(coefficients, color.nm[i]), color.weights[i][c]));
+        for (int c = 0; c < 3; c++) {
+            worst = fmax(worst, fabs((double)(rgb[c] - any[c])));
+            squares += pow((double)(rgb[c] - any[c]), 2) / (3 * RANDOM);
+        }
+    }
+    printf("reflectances by %d wavelengths: within %.2g, root mean square %.2g\n", LANES * COLOR_FOURS, worst,
+           sqrt(squares));
+    assert_true(worst < 0.012 && sqrt(squares) < 0.003);
 }
 
 int main(void)
