@@ -249,7 +249,7 @@ bench: $(BUILD)/bench assets $(BUILD)/peers/glass.mns ## measure speed, memory a
 	$(BUILD)/bench caustics
 	$(BUILD)/bench fireflies $(addprefix examples/,whisky-sun.mns diamond.mns candles.mns light-bulb.mns glass-of-water.mns)
 	$(BUILD)/bench noise $(BENCH_SCENES)
-	$(BUILD)/bench denoise $(addprefix examples/,whisky.mns cut-glass.mns tea.mns)
+	$(BUILD)/bench denoise $(addprefix examples/,whisky.mns cut-glass.mns tea.mns aquarium.mns half-submerged.mns)
 	$(BUILD)/bench techniques $(addprefix examples/,whisky.mns tea.mns surfaces.mns diamond.mns candles.mns)
 
 bench-fireflies: $(BUILD)/bench assets ## single pixels that are far too bright, in all examples; minutes
