@@ -46,9 +46,8 @@ WavelengthSample wavelengths_sample(float u);
 void color_from_lanes(Lanes radiance, const WavelengthSample *wavelengths, float rgb[3]);
 
 /* Wavelengths that are evenly spread by importance, and what a reflectance at each of them adds to a colour under white light:
- * what reflects all is (1,1,1). Other colours come back within .01, .0023 root mean square; four times as many wavelengths are no
- * better. */
-enum { COLOR_FOURS = 8 };
+ * what reflects all is (1,1,1). Other colours come back within .01, .0021 root mean square. */
+enum { COLOR_FOURS = 32 };
 typedef struct ReflectedColor {
     Lanes nm[COLOR_FOURS], weights[COLOR_FOURS][3]; /* of red, green and blue */
 } ReflectedColor;

@@ -260,13 +260,15 @@ static void look_behind(Path *look, Event *event, FirstSight *behind)
         else if (event->kind == EVENT_BOUNDARY || event->kind == EVENT_OPAQUE)
             add_way(&ways, event->medium, event->hit.t);
     }
-    if (!things.n)
-        *behind = tracer->first_sight; /* nothing is looked through */
-    else if (event->kind == EVENT_SCATTER)
+    if (!things.n) { /* nothing is looked through */
+        *behind = tracer->first_sight;
+        return;
+    }
+    if (event->kind == EVENT_SCATTER)
         note_scattering(look, event, entered, behind);
     else
         sight_note(look, event, behind);
-    if (things.n) add_thing(&things, tracer->world, event, passed); /* what is seen behind them, at last */
+    add_thing(&things, tracer->world, event, passed); /* what is seen behind them, at last */
     memcpy(behind->passed, passed, sizeof passed);
     behind->distance += distance;
     note_ways(&ways, behind);

@@ -381,6 +381,16 @@ static void spectral_locus(void **unused)
     }
 }
 
+static void color_found_again(const ReflectedColor *color, const float reflectance[3], float rgb[3])
+{
+    float coefficients[3];
+    upsample_coefficients(reflectance, coefficients);
+    for (int c = 0; c < 3; c++) rgb[c] = 0;
+    for (int i = 0; i < COLOR_FOURS; i++)
+        for (int c = 0; c < 3; c++)
+            rgb[c] += lanes_sum(lanes_mul(upsample_at(coefficients, color->nm[i]), color->weights[i][c]));
+}
+
 /* Colours that are made spectra are found in them again. */
 static void reflectances_have_colors(void **unused)
 {
@@ -390,11 +400,8 @@ static void reflectances_have_colors(void **unused)
     ReflectedColor color;
     reflected_color_init(&color);
     for (size_t k = 0; k < COUNT_OF(colors); k++) {
-        float coefficients[3], rgb[3] = {0};
-        upsample_coefficients(colors[k], coefficients);
-        for (int i = 0; i < COLOR_FOURS; i++)
-            for (int c = 0; c < 3; c++)
-                rgb[c] += lanes_sum(lanes_mul(upsample_at(coefficients, color.nm[i]), color.weights[i][c]));
+        float rgb[3];
+        color_found_again(&color, colors[k], rgb);
         for (int c = 0; c < 3; c++) assert_float_equal(rgb[c], colors[k][c], 0.004f); /* see upsample_coefficients */
     }
     enum { RANDOM = 2000 };
@@ -402,11 +409,8 @@ static void reflectances_have_colors(void **unused)
     double worst = 0, squares = 0;
     for (int k = 0; k < RANDOM; k++) {
         const float any[3] = {(float)dice_unit(&dice), (float)dice_unit(&dice), (float)dice_unit(&dice)};
-        float coefficients[3], rgb[3] = {0};
-        upsample_coefficients(any, coefficients);
-        for (int i = 0; i < COLOR_FOURS; i++)
-            for (int c = 0; c < 3; c++)
-                rgb[c] += lanes_sum(lanes_mul(upsample_at(coefficients, color.nm[i]), color.weights[i][c]));
+        float rgb[3];
+        color_found_again(&color, any, rgb);
         for (int c = 0; c < 3; c++) {
             worst = fmax(worst, fabs((double)(rgb[c] - any[c])));
             squares += pow((double)(rgb[c] - any[c]), 2) / (3 * RANDOM);

@@ -262,6 +262,19 @@ static void waves(void **state)
     }
 }
 
+/* Of a cell whose photons are known, all of them, with others in eight cells near by. */
+static uint32_t fit_beside(const Photon *photons, uint32_t n, const Photon *others, uint32_t n_others, GuideLobe *lobes)
+{
+    GuidePhotons cell = {.photons = photons,
+                         .n = n,
+                         .n_known = n,
+                         .origin = vec3f(.5f, 0, .5f),
+                         .near = {{others, n_others}, {NULL, 0}},
+                         .near_part = 0.125f};
+    for (uint32_t i = 0; i < n; i++) cell.known[i].photon = &photons[i];
+    return guide_fit(&cell, lobes);
+}
+
 /* Where lobes are made of all of a cell's photons, these are right if each is what the others foretell: what lands beside the cell, and
  * comes from anywhere in a wide square, says little against them. */
 static void judged_within(void **state)
@@ -282,15 +295,8 @@ static void judged_within(void **state)
                                                              .number = (uint32_t)i,
                                                              .lobe = own};
         }
-        GuidePhotons cell = {.photons = photons,
-                             .n = N,
-                             .n_known = N,
-                             .origin = vec3f(.5f, 0, .5f),
-                             .near = {{others, OTHERS}, {NULL, 0}},
-                             .near_part = 0.125f};
-        for (int i = 0; i < N; i++) cell.known[i].photon = &photons[i];
         GuideLobe lobes[GUIDE_CELL_LOBES];
-        uint32_t n = guide_fit(&cell, lobes);
+        uint32_t n = fit_beside(photons, N, others, OTHERS, lobes);
         printf("    photons that %s: %u lobes, %.2f of the choices narrow\n", alike ? "foretell each other" : "do not",
                n, (double)lobes[N - 1].cumulative);
         assert_true(alike ? lobes[N - 1].cumulative > 0.7f : lobes[N - 1].cumulative < 0.4f);
@@ -318,15 +324,8 @@ static void far_away(void **state)
                                  .flux = 100,
                                  .way = 2,
                                  .number = N + (uint32_t)i};
-        GuidePhotons cell = {.photons = photons,
-                             .n = N,
-                             .n_known = N,
-                             .origin = vec3f(.5f, 0, .5f),
-                             .near = {{others, OTHERS}, {NULL, 0}},
-                             .near_part = 0.125f};
-        for (int i = 0; i < N; i++) cell.known[i].photon = &photons[i];
         GuideLobe lobes[GUIDE_CELL_LOBES];
-        uint32_t n = guide_fit(&cell, lobes);
+        uint32_t n = fit_beside(photons, N, others, OTHERS, lobes);
         printf("    others %s: %u lobes, %.2f of the choices narrow\n", far ? "far away" : "beside", n,
                (double)lobes[N - 1].cumulative);
         assert_true(far ? lobes[N - 1].cumulative > 0.8f : lobes[N - 1].cumulative < 0.4f);
