@@ -74,7 +74,13 @@ static Status write_outputs(const MergeRun *run, Error *error)
     unsigned half = run->options->values[OPTION_HALF].place, full = run->options->values[OPTION_FLOAT].place;
     ExrOptions exr = {
         .half = half > full, .attributes = described.items, .n_attributes = described.n, .pool = run->pool};
-    ColorLook look = output_look(run->options, NULL);
+    ColorLook own = {.stops = 0};
+    for (size_t i = 0; i < described.n; i++) {
+        const ImageAttribute *attribute = &described.items[i];
+        double value = attribute->type == ATTRIBUTE_FLOAT ? attribute->number : attribute->whole;
+        output_find_look(&own, attribute->name, value);
+    }
+    ColorLook look = output_look(run->options, &own);
     bool displayed = false;
     for (size_t i = 0; i < run->n_outputs; i++) {
         TRY(output_write(&run->outputs[i], &run->image, &exr, run->color.config, &look, error));

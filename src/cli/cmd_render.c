@@ -12,9 +12,15 @@
 #include "cli/signals.h"
 #include "cli/viewpoint.h"
 
+ColorLook film_look(const SceneFilm *film)
+{
+    return (ColorLook){.stops = film->exposure, .automatic = film->auto_exposure, .alpha = film->alpha};
+}
+
 ColorLook render_look(const RenderRun *run)
 {
-    return output_look(run->options, &run->input.scene->film);
+    ColorLook own = film_look(&run->input.scene->film);
+    return output_look(run->options, &own);
 }
 
 /* Opens the colour configuration and tries display and view on one pixel. */

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/num.h"
 #include "cli/commands.h"
 #include "cli/preview.h"
 #include "diag/suggest.h"
@@ -49,8 +50,23 @@ static Status check_output(const char *path, const char *preview, Error *error)
 /* A picture, or a layer of it. */
 typedef struct Viewed {
     Image image;
-    bool shown; /* as a display shows it, not scene-linear */
+    bool shown;    /* as a display shows it, not scene-linear */
+    ColorLook own; /* what its file says of how it is shown */
 } Viewed;
+
+static void find_look(void *context, const char *name, const char *text)
+{
+    double value;
+    if (num_parse(text, strlen(text), &value)) output_find_look(context, name, value);
+}
+
+/* Standard input is read once, for the picture. */
+static Status read_picture(const char *path, Viewed *viewed, Error *error)
+{
+    bool has_look = strcmp(path, "-") != 0 && strcasecmp(file_extension(path), "exr") == 0;
+    TRY(image_read_linear(path, &viewed->image, error));
+    return has_look ? exr_visit_attributes(path, find_look, &viewed->own, error) : STATUS_OK;
+}
 
 /* What the channels of an AOV are as a layer: "N" of "N.X|N.Y|N.Z", "Z" of "Z". */
 static void layer_of_aov(Aov aov, char layer[LAYER_NAME_SIZE])
@@ -139,7 +155,7 @@ static Status choose_layer(const char *name, const Talk *talk, Viewed *viewed, E
     else if (layer.kind == LAYER_NUMBERS)
         talk_remark(talk, "%s: all of it is %.4g%s", name, (double)layer.black, holes);
     image_clear(&viewed->image);
-    *viewed = (Viewed){layer.image, layer.kind != LAYER_COLOR};
+    *viewed = (Viewed){.image = layer.image, .shown = layer.kind != LAYER_COLOR}; /* colours of surfaces, not light */
     return STATUS_OK;
 }
 
@@ -148,7 +164,7 @@ static Status write_png(const Options *options, const ColorConfig *config, const
 {
     unsigned bits = option_is(options, OPTION_BITS, "16") ? 16 : 8;
     Image shown;
-    ColorLook look = output_look(options, NULL);
+    ColorLook look = output_look(options, &viewed->own);
     if (viewed->shown) return png_write(path, &viewed->image, bits, error);
     output_say_exposure(talk, &viewed->image, &look);
     TRY(image_for_display(&viewed->image, config, &look, &shown, error));
@@ -161,7 +177,7 @@ static Status show(const Options *options, const ColorConfig *config, const View
                    Error *error)
 {
     Preview preview;
-    ColorLook look = output_look(options, NULL);
+    ColorLook look = output_look(options, &viewed->own);
     Status status = preview_open(where, file_name(options->operands[0]), &preview, error);
     if (status == STATUS_OK && preview.kind == PREVIEW_FILE)
         status =
@@ -180,8 +196,8 @@ static Status view_file(const Options *options, const ColorConfig *config, const
     Viewed viewed = {.shown = false};
     const char *where = option_text(options, OPTION_VIEW_PREVIEW, NULL);
     const char *layer = option_text(options, OPTION_LAYER, NULL);
-    TRY(image_read_linear(options->operands[0], &viewed.image, error));
-    Status status = layer ? choose_layer(layer, talk, &viewed, error) : STATUS_OK;
+    Status status = read_picture(options->operands[0], &viewed, error);
+    if (status == STATUS_OK && layer) status = choose_layer(layer, talk, &viewed, error);
     if (status == STATUS_OK && where) status = show(options, config, &viewed, where, error);
     if (status == STATUS_OK && path) status = write_png(options, config, talk, &viewed, path, error);
     image_clear(&viewed.image);

@@ -200,18 +200,35 @@ bool outputs_exist(const OutputList *list)
 
 /* ---- after it ---- */
 
-ColorLook output_look(const Options *options, const SceneFilm *film)
+ColorLook output_look(const Options *options, const ColorLook *own)
 {
-    double stops = film ? film->exposure : 0;
-    bool automatic = film && film->auto_exposure, alpha = film && film->alpha;
-    return (ColorLook){
-        .display = option_text(options, OPTION_DISPLAY, NULL),
-        .view = option_text(options, OPTION_VIEW, NULL),
-        .stops = option_given(options, OPTION_EXPOSURE) ? options->values[OPTION_EXPOSURE].number : stops,
-        .automatic =
-            option_given(options, OPTION_AUTO_EXPOSURE) ? option_is(options, OPTION_AUTO_EXPOSURE, "on") : automatic,
-        .alpha = option_given(options, OPTION_ALPHA) ? option_is(options, OPTION_ALPHA, "on") : alpha,
-    };
+    ColorLook look = *own;
+    look.display = option_text(options, OPTION_DISPLAY, NULL);
+    look.view = option_text(options, OPTION_VIEW, NULL);
+    if (option_given(options, OPTION_EXPOSURE)) look.stops = options->values[OPTION_EXPOSURE].number;
+    if (option_given(options, OPTION_AUTO_EXPOSURE)) look.automatic = option_is(options, OPTION_AUTO_EXPOSURE, "on");
+    if (option_given(options, OPTION_ALPHA)) look.alpha = option_is(options, OPTION_ALPHA, "on");
+    return look;
+}
+
+static const char *const exposure_name = "meniscus/exposure", *const automatic_name = "meniscus/autoExposure",
+                         *const alpha_name = "meniscus/alpha";
+
+size_t output_note_look(const ColorLook *look, ImageAttribute attributes[OUTPUT_LOOK_ATTRIBUTES])
+{
+    size_t n = 0;
+    attributes[n++] = (ImageAttribute){.name = exposure_name, .type = ATTRIBUTE_FLOAT, .number = look->stops};
+    if (look->automatic) attributes[n++] = (ImageAttribute){.name = automatic_name, .type = ATTRIBUTE_INT, .whole = 1};
+    if (look->alpha) attributes[n++] = (ImageAttribute){.name = alpha_name, .type = ATTRIBUTE_INT, .whole = 1};
+    return n;
+}
+
+void output_find_look(ColorLook *look, const char *name, double value)
+{
+    const OptionRow *exposure = option_row(OPTION_EXPOSURE);
+    if (strcmp(name, exposure_name) == 0 && value >= exposure->low && value <= exposure->high) look->stops = value;
+    if (strcmp(name, automatic_name) == 0) look->automatic = value == 1;
+    if (strcmp(name, alpha_name) == 0) look->alpha = value == 1;
 }
 
 ColorLook output_look_for(const Image *image, const ColorLook *look)

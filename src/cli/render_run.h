@@ -91,7 +91,9 @@ void render_note(const RenderRun *run, CheckpointNotes *notes, CheckpointTexts *
 /* Writes every output, and in them what the render was (render_write.c). again: those that can be written more than once. */
 ATTR_NODISCARD Status render_write_outputs(const RenderRun *run, bool again, Error *error);
 
-/* The display and the view of PNG files; NULL: the first. */
+/* How a film says that light is shown. */
+ColorLook film_look(const SceneFilm *film);
+/* That, and what the options say: the display and the view of PNG files; NULL: the first. */
 ColorLook render_look(const RenderRun *run);
 
 /* What is said of a finished render (render_report.c). */

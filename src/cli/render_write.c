@@ -73,6 +73,8 @@ static void describe(const RenderRun *run, bool of_merged, Attributes *attribute
     if (run->settings.denoises)
         attributes->items[attributes->n++] =
             (ImageAttribute){.name = "meniscus/denoised", .type = ATTRIBUTE_INT, .whole = 1};
+    ColorLook look = film_look(&scene->film);
+    attributes->n += output_note_look(&look, &attributes->items[attributes->n]);
     aov_visit_attributes(run->settings.aovs, scene, add_aov_attribute, attributes);
 }
 

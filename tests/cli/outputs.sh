@@ -42,11 +42,11 @@ render { samples = 64 }
 SCENE
 run render ball.mns -o a.exr -o a.png
 exits 0
-run view a.exr -o viewed.png --alpha on
+run view a.exr -o viewed.png
 exits 0
 run render ball.mns -o off.png --alpha off
 exits 0
-run view a.exr -o black.png
+run view a.exr -o black.png --alpha off
 exits 0
 PYTHONPATH=$root/tests/cli "$python" -B - <<'PYTHON' || flunk "not the pixels that there should be"
 from pixels import pixels

@@ -86,6 +86,26 @@ run view text.exr -o b.png
 exits 4
 end
 
+begin "view shows an EXR file as its scene's film would, and options come before that; layers have nothing of it"
+small_scene
+run render small.mns -o a.exr -o a.png
+run render small.mns -o film.exr -o film.png --set film.exposure=-1 --set film.alpha=true --aov albedo
+run view film.exr -o viewed.png
+cmp -s film.png viewed.png || flunk "the film's exposure and alpha are not in the EXR file"
+run view film.exr -o viewed.png --exposure 0 --alpha off
+cmp -s a.png viewed.png || flunk "options do not come before the file's"
+run view film.exr --layer albedo -o albedo.png
+run render small.mns -o plain.exr --aov albedo
+run view plain.exr --layer albedo -o plain-albedo.png
+cmp -s albedo.png plain-albedo.png || flunk "the film's exposure darkens a layer that is no light"
+run render small.mns -o automatic.exr -o automatic.png --set film.auto_exposure=true
+run view automatic.exr -o viewed.png
+says err "remark: the automatic exposure is the same as: --exposure "
+cmp -s automatic.png viewed.png || flunk "the film's automatic exposure is not in the EXR file"
+"$program" view - -o viewed.png < film.exr 2> err
+cmp -s a.png viewed.png || flunk "a picture by standard input is shown with more than options say"
+end
+
 begin "view: another layer, by the AOV's name or the channel's"
 small_scene
 run render small.mns -o a.exr --aov depth,normal,medium,nesting,cryptomatte
