@@ -6,8 +6,7 @@
 #include "shape/implicit.h"
 #include "scene/build_parts.h"
 
-/* Says when the grid could not be made fine enough; NULL: it could. */
-static Diagnostic *check_reached(Builder *b, const EvalNode *node, double reached, double tolerance)
+Diagnostic *build_check_reached(Builder *b, const EvalNode *node, double reached, double tolerance)
 {
     if (reached <= 1.5 * tolerance) return NULL;
     return diag_report(b->diag, D_COARSE_SURFACE, build_span(node, "tolerance"),
@@ -65,7 +64,7 @@ static Status make_blob(Builder *b, const EvalNode *node, Mesh **mesh, Span *spa
                              .tolerance = tolerance ? tolerance->as.number : 0};
     if (!shape.components) return STATUS_SCENE;
     TRY(mesh_make_blob(&shape, b->options->pool, mesh, &reached, error));
-    if (tolerance) (void)check_reached(b, node, reached, tolerance->as.number);
+    if (tolerance) (void)build_check_reached(b, node, reached, tolerance->as.number);
     return STATUS_OK;
 }
 
@@ -311,7 +310,7 @@ static Status make_isosurface(Builder *b, const EvalNode *node, Mesh **mesh, Spa
     }
     TRY(status);
     check_cut(b, node, &context, &limits, *mesh);
-    Diagnostic *report = tolerance ? check_reached(b, node, found.reached, options.tolerance) : NULL;
+    Diagnostic *report = tolerance ? build_check_reached(b, node, found.reached, options.tolerance) : NULL;
     if (report && found.jumps) add_jump(b, report, &found, context.threshold);
     return STATUS_OK;
 }

@@ -235,19 +235,14 @@ static double sweep_tolerance(const Vec3 *path, size_t n, double size)
     return fmin(fmax(reach / 10000, size / 1000), size / 100);
 }
 
-static void hint_fit(Builder *b, Diagnostic *report, const SweepShape *shape, double fits)
+static void hint_fit(Builder *b, Diagnostic *report, double fits)
 {
-    const char *else_what =
-        shape->outline ? "sweeps that overlap, in a union" : "spheres and capsules from point to point, in a union";
+    const char *else_what = "sweeps that overlap, in a union";
     if (!(fits > 0) || !isfinite(fits))
-        diag_hint(b->diag, report, "a smaller %s or wider bends; or %s", shape->outline ? "outline" : "radius",
-                  else_what);
-    else if (!shape->outline && shape->n_scales == 1)
-        diag_hint(b->diag, report, "a radius of %.2g, which fits all along the path, or wider bends; or %s",
-                  num_round_down(fits * shape->scales[0], 2), else_what);
+        diag_hint(b->diag, report, "a smaller outline or wider bends; or %s", else_what);
     else
-        diag_hint(b->diag, report, "%.2g times the %s, which fits all along the path, or wider bends; or %s",
-                  num_round_down(fits, 2), shape->outline ? "size" : "radius", else_what);
+        diag_hint(b->diag, report, "%.2g times the size, which fits all along the path, or wider bends; or %s",
+                  num_round_down(fits, 2), else_what);
 }
 
 static Status make_sweep(Builder *b, const EvalNode *node, Mesh **mesh, Span *span, Error *error)
@@ -286,19 +281,18 @@ static Status make_sweep(Builder *b, const EvalNode *node, Mesh **mesh, Span *sp
                               &outline, error);
         shape.outline = &outline;
     }
-    SweepOverlap overlap = {0};
+    SweepFound found = {0};
     if (status == STATUS_OK) {
         *span = path->span;
-        status = mesh_make_sweep(&shape, mesh, &overlap, error);
+        status = mesh_make_sweep(&shape, b->options->pool, mesh, &found, error);
     }
-    if (overlap.folds) {
+    if (found.folds) {
         Diagnostic *report = build_report_shape(b, path->span, error);
-        if (report) hint_fit(b, report, &shape, overlap.fits);
+        if (report) hint_fit(b, report, found.fits);
         error->text[0] = 0; /* that is said */
     }
-    if (overlap.found)
-        diag_report(b->diag, D_SELF_OVERLAP, path->span, "the sweep runs into itself near <%.6g, %.6g, %.6g>",
-                    overlap.at.x, overlap.at.y, overlap.at.z);
+    double enough = eval_prop(node, "tolerance") ? shape.tolerance : fmax(shape.tolerance, size / 50);
+    if (status == STATUS_OK) (void)build_check_reached(b, node, found.reached, enough);
     outline2_clear(&outline);
     return status;
 }

@@ -139,6 +139,8 @@ Span build_author_place(const Builder *b, const EvalNode *node);
 Span build_span(const EvalNode *node, const char *property);
 /* Reports when both are set; word says what the pair means. Returns true when all is well. */
 bool build_exclude(Builder *b, const EvalNode *node, const char *property, const char *other);
+/* Reports when the grid of a surface that a function describes could not be made fine enough; NULL: it could (build_implicit.c). */
+Diagnostic *build_check_reached(Builder *b, const EvalNode *node, double reached, double tolerance);
 /* Reports a property that has no effect without another, or with another value of it; returns the report, NULL where the
  * property is not set. */
 Diagnostic *build_needs(Builder *b, const EvalNode *node, const char *property, const char *needed);

@@ -5,9 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "shape/box_cells.h"
 #include "shape/implicit.h"
 
-enum { MAX_CELLS = 48 }; /* of the table of what is where, along an axis */
+enum { MAX_CELLS = 48, CELLS_PER_PART = 8 }; /* of the table of what is where: along an axis, in all */
 
 typedef struct Part {
     Affine to_local;
@@ -21,9 +22,7 @@ typedef struct Blob {
     size_t n_parts;
     double threshold;
     Box3 bounds;
-    uint32_t n_cells[3];
-    Vec3 per_length;         /* cells */
-    uint32_t *first, *items; /* items[first[cell] .. first[cell + 1]]: the parts that reach into a cell */
+    BoxCells cells; /* of the parts' bounds */
 } Blob;
 
 /* Distance over radius, squared, and the way from the axis. */
@@ -45,45 +44,24 @@ static double density(const Part *part, Vec3 p)
     return d2 < 1 ? part->strength * (1 - d2) * (1 - d2) : 0;
 }
 
-static uint32_t cell_along(double x, double low, double per_length, uint32_t n)
-{
-    double cell = floor((x - low) * per_length);
-    return cell <= 0 ? 0 : cell >= n ? n - 1 : (uint32_t)cell;
-}
-
-static void cells_of(const Blob *blob, Vec3 p, uint32_t cell[3])
-{
-    cell[0] = cell_along(p.x, blob->bounds.min.x, blob->per_length.x, blob->n_cells[0]);
-    cell[1] = cell_along(p.y, blob->bounds.min.y, blob->per_length.y, blob->n_cells[1]);
-    cell[2] = cell_along(p.z, blob->bounds.min.z, blob->per_length.z, blob->n_cells[2]);
-}
-
-static size_t cell_number(const Blob *blob, const uint32_t cell[3])
-{
-    return ((size_t)cell[2] * blob->n_cells[1] + cell[1]) * blob->n_cells[0] + cell[0];
-}
-
 static bool blob_value(void *context, Vec3 p, double *value)
 {
     const Blob *blob = context;
-    uint32_t cell[3];
-    cells_of(blob, p, cell);
-    size_t number = cell_number(blob, cell);
+    uint32_t n;
+    const uint32_t *parts = box_cells_at(&blob->cells, p, &n);
     *value = -blob->threshold;
-    for (uint32_t i = blob->first[number]; i < blob->first[number + 1]; i++)
-        *value += density(&blob->parts[blob->items[i]], p);
+    for (uint32_t i = 0; i < n; i++) *value += density(&blob->parts[parts[i]], p);
     return true;
 }
 
 static bool blob_gradient(void *context, Vec3 p, Vec3 *gradient)
 {
     const Blob *blob = context;
-    uint32_t cell[3];
-    cells_of(blob, p, cell);
-    size_t number = cell_number(blob, cell);
+    uint32_t n;
+    const uint32_t *parts = box_cells_at(&blob->cells, p, &n);
     *gradient = vec3(0, 0, 0);
-    for (uint32_t i = blob->first[number]; i < blob->first[number + 1]; i++) {
-        const Part *part = &blob->parts[blob->items[i]];
+    for (uint32_t i = 0; i < n; i++) {
+        const Part *part = &blob->parts[parts[i]];
         Vec3 local;
         double d2 = distance2(part, p, &local);
         if (d2 >= 1) continue;
@@ -145,49 +123,6 @@ static Status set_part(const BlobComponent *component, size_t number, Part *part
     return STATUS_OK;
 }
 
-/* Counts (items NULL) or lists the parts of each cell; first[] must be zero, or the ends of the cells. */
-static void sort_parts(Blob *blob, uint32_t *first, uint32_t *items)
-{
-    for (size_t n = blob->n_parts; n > 0; n--) {
-        uint32_t low[3], high[3], cell[3];
-        cells_of(blob, blob->parts[n - 1].bounds.min, low);
-        cells_of(blob, blob->parts[n - 1].bounds.max, high);
-        for (cell[2] = low[2]; cell[2] <= high[2]; cell[2]++)
-            for (cell[1] = low[1]; cell[1] <= high[1]; cell[1]++)
-                for (cell[0] = low[0]; cell[0] <= high[0]; cell[0]++) {
-                    size_t number = cell_number(blob, cell);
-                    if (items)
-                        items[--first[number]] = (uint32_t)(n - 1);
-                    else
-                        first[number]++;
-                }
-    }
-}
-
-static Status make_cells(Blob *blob, Error *error)
-{
-    double sides[3] = {blob->bounds.max.x - blob->bounds.min.x, blob->bounds.max.y - blob->bounds.min.y,
-                       blob->bounds.max.z - blob->bounds.min.z};
-    double size = cbrt(sides[0] * sides[1] * sides[2] / (8 * (double)blob->n_parts));
-    for (int axis = 0; axis < 3; axis++) blob->n_cells[axis] = (uint32_t)fmin(fmax(sides[axis] / size, 1), MAX_CELLS);
-    blob->per_length = vec3(blob->n_cells[0] / sides[0], blob->n_cells[1] / sides[1], blob->n_cells[2] / sides[2]);
-    size_t n_cells = (size_t)blob->n_cells[0] * blob->n_cells[1] * blob->n_cells[2];
-    blob->first = calloc(n_cells + 1, sizeof *blob->first);
-    if (!blob->first) return fail_memory(error, n_cells * sizeof *blob->first, "a blob");
-    sort_parts(blob, blob->first, NULL);
-    uint64_t total = 0;
-    for (size_t i = 0; i < n_cells; i++) {
-        total += blob->first[i];
-        if (total >= UINT32_MAX) return fail(error, STATUS_SCENE, "the blob has too many components in one place");
-        blob->first[i] = (uint32_t)total;
-    }
-    blob->first[n_cells] = (uint32_t)total;
-    blob->items = malloc((total + 1) * sizeof *blob->items);
-    if (!blob->items) return fail_memory(error, total * sizeof *blob->items, "a blob");
-    sort_parts(blob, blob->first, blob->items);
-    return STATUS_OK;
-}
-
 static Status make_blob(Blob *blob, const BlobShape *shape, Pool *pool, Mesh **mesh, double *reached, Error *error)
 {
     const BlobComponent *components = shape->components;
@@ -203,7 +138,9 @@ static Status make_blob(Blob *blob, const BlobShape *shape, Pool *pool, Mesh **m
     }
     if (box3_is_empty(blob->bounds))
         return fail(error, STATUS_SCENE, "the blob has no component with a positive strength");
-    TRY(make_cells(blob, error));
+    const Part *parts = blob->parts;
+    TRY(box_cells_make(&blob->cells, blob->bounds, CELLS_PER_PART, MAX_CELLS, &parts->bounds, sizeof *parts,
+                       blob->n_parts, "the blob", error));
     double extent = vec3_max_abs(vec3_sub(blob->bounds.max, blob->bounds.min));
     const ImplicitField field = {blob, blob_layer, blob_value, blob_value, blob_gradient, NULL};
     const ImplicitOptions options = {.bounds = blob->bounds,
@@ -225,7 +162,6 @@ Status mesh_make_blob(const BlobShape *shape, Pool *pool, Mesh **mesh, double *r
     if (!blob.parts) return fail_memory(error, shape->n * sizeof *blob.parts, "a blob");
     Status status = make_blob(&blob, shape, pool, mesh, reached, error);
     free(blob.parts);
-    free(blob.first);
-    free(blob.items);
+    box_cells_clear(&blob.cells);
     return status;
 }

@@ -4,6 +4,7 @@
 #ifndef MEN_MESHED_H
 #define MEN_MESHED_H
 
+#include "base/pool.h"
 #include "mesh/grower.h"
 #include "shape/polygon.h"
 
@@ -41,18 +42,19 @@ typedef struct SweepShape {
     unsigned segments; /* of the circle; 0: by the tolerance */
 } SweepShape;
 
-/* Where two parts of a sweep that are far from each other along the path run into each other. */
-typedef struct SweepOverlap {
-    bool found;
-    Vec3 at;
+/* What there is to say of a sweep beside its mesh. */
+typedef struct SweepFound {
     bool folds;  /* the path bends more than the outline allows: then there is an error, and no sweep */
     double fits; /* and so many times its size does not fold anywhere; 0: none does */
-} SweepOverlap;
+    double
+        reached; /* above 0: it is round, and folds or runs into itself; its triangles are so far from the surface of the union */
+} SweepFound;
 
 /* An outline that is moved along a path, turned as little as possible: rotation minimizing frames by double reflection
- * (W. Wang, B. Juettler, D. Zheng, Y. Liu, "Computation of Rotation Minimizing Frames", ACM TOG 27(1), 2008).
- * STATUS_SCENE with the place where the path bends more than the outline allows. */
-ATTR_NODISCARD Status mesh_make_sweep(const SweepShape *shape, Mesh **mesh, SweepOverlap *overlap, Error *error);
+ * (W. Wang, B. Juettler, D. Zheng, Y. Liu, "Computation of Rotation Minimizing Frames", ACM TOG 27(1), 2008). Round ones may bend as
+ * they like, and run into themselves. STATUS_SCENE with the place where the path bends more than an outline allows. */
+ATTR_NODISCARD Status mesh_make_sweep(const SweepShape *shape, Pool *pool, Mesh **mesh, SweepFound *found,
+                                      Error *error);
 
 /* ---- superellipsoids (superellipsoid.c) ---- */
 

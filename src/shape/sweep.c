@@ -8,22 +8,12 @@
 
 #include "base/angle.h"
 #include "base/array.h"
-#include "shape/meshed.h"
 #include "shape/smooth.h"
+#include "shape/sweep_parts.h"
 
 /* How far a side is bent, of its length. */
 #define HOLLOW 1e-5
 enum { MAX_STATIONS = 4000000, MAX_STEPS = 100000, DEGREES_PER_STEP = 5, MAX_CIRCLE = 2048, MIN_CIRCLE = 24 };
-
-typedef struct Station {
-    Vec3 at, tangent;    /* of the path; at a corner of a straight path, of the bisector */
-    Vec3 before, after;  /* directions of the path on both sides; equal unless at a corner */
-    Vec3 u, v;           /* the outline's axes, across `after` */
-    Vec3 bend;           /* change of the tangent per length */
-    double scale, slope; /* slope: change of the scale per length */
-    double along, turn;  /* length of the path so far; the frame's extra turn in radians */
-    size_t source;       /* the point of the path at or before it */
-} Station;
 
 typedef struct SweepMaker {
     const SweepShape *shape;
@@ -36,7 +26,7 @@ typedef struct SweepMaker {
     double *
         natural; /* of natural curves: for each piece the velocities of x, y, z and the scale, at its begin and at its end */
     double twist, twist_rate; /* in all, in degrees; per length, in radians */
-    bool folds;               /* it has been found to */
+    bool folds;               /* it has been found to, or to have a corner that is too sharp */
     Grower grower;
 } SweepMaker;
 
@@ -301,10 +291,12 @@ static Status set_corners(SweepMaker *maker, Error *error)
         if (last && !shape->closed) s->after = s->before;
         Vec3 sum = vec3_add(s->before, s->after);
         double length = vec3_length(sum);
-        if (length < 0.26) /* 165 degrees */
+        s->turns_back = length < 0.26; /* 165 degrees */
+        if (s->turns_back && shape->outline)
             return fail(error, STATUS_SCENE, "the path turns back too sharply at point %zu, <%g, %g, %g>",
                         s->source + 1, s->at.x, s->at.y, s->at.z);
-        s->tangent = vec3_scale(sum, 1 / length);
+        maker->folds |= s->turns_back;
+        s->tangent = s->turns_back ? s->after : vec3_scale(sum, 1 / length);
     }
     return STATUS_OK;
 }
@@ -594,7 +586,7 @@ static bool runs_into(const SweepMaker *maker, const Place *a, const Place *b)
 }
 
 /* Of round sweeps: is the path elsewhere nearer than both radii? */
-static Status find_overlap(const SweepMaker *maker, SweepOverlap *overlap, Error *error)
+static Status find_overlap(const SweepMaker *maker, bool *found, Error *error)
 {
     enum { MAX_TESTS = 100000000 };
     Place *places = NULL;
@@ -603,12 +595,11 @@ static Status find_overlap(const SweepMaker *maker, SweepOverlap *overlap, Error
     Status status = list_places(maker, &places, &n, &largest, error);
     if (status == STATUS_OK) qsort(places, n, sizeof *places, compare_places);
     int64_t tests = 0;
-    for (size_t i = 0; status == STATUS_OK && i < n && !overlap->found && tests < MAX_TESTS; i++)
+    for (size_t i = 0; status == STATUS_OK && i < n && !*found && tests < MAX_TESTS; i++)
         for (size_t k = i + 1; k < n && places[k].at.x - places[i].at.x < places[i].scale + largest; k++) {
             if (++tests >= MAX_TESTS) break;
-            if (!runs_into(maker, &places[i], &places[k])) continue;
-            *overlap = (SweepOverlap){.found = true, .at = vec3_scale(vec3_add(places[i].at, places[k].at), 0.5)};
-            break;
+            *found = runs_into(maker, &places[i], &places[k]);
+            if (*found) break;
         }
     free(places);
     return status;
@@ -633,7 +624,7 @@ static Status make_circle(const SweepShape *shape, Outline2 *circle, Error *erro
     return outline2_end_loop(circle) ? STATUS_OK : fail_memory(error, n, "a sweep");
 }
 
-static Status make_all(SweepMaker *maker, SweepOverlap *overlap, Error *error)
+static Status make_path(SweepMaker *maker, Error *error)
 {
     const SweepShape *shape = maker->shape;
     TRY(check_path(shape, error));
@@ -644,6 +635,12 @@ static Status make_all(SweepMaker *maker, SweepOverlap *overlap, Error *error)
     TRY(walk_path(maker, error));
     TRY(set_corners(maker, error));
     set_frames(maker);
+    return STATUS_OK;
+}
+
+static Status make_surface(SweepMaker *maker, Error *error)
+{
+    const SweepShape *shape = maker->shape;
     for (size_t i = 0; i + 1 < maker->n_stations; i++) {
         TRY(add_span(maker, i, error));
         if (maker->grower.out_of_memory || maker->grower.too_large) return STATUS_OK; /* grower_finish will tell */
@@ -656,14 +653,34 @@ static Status make_all(SweepMaker *maker, SweepOverlap *overlap, Error *error)
         TRY(add_flat_end(maker, first, false, error));
         TRY(add_flat_end(maker, last, true, error));
     }
-    return shape->outline ? STATUS_OK : find_overlap(maker, overlap, error);
+    return STATUS_OK;
 }
 
-Status mesh_make_sweep(const SweepShape *shape, Mesh **mesh, SweepOverlap *overlap, Error *error)
+/* Where its surface would pass through its own inside, that of the union of its pieces is made. */
+static Status make_round(SweepMaker *maker, Pool *pool, Mesh **mesh, SweepFound *found, Error *error)
+{
+    bool meets_itself = maker->folds;
+    Status status = meets_itself ? STATUS_OK : make_surface(maker, error);
+    meets_itself |= maker->folds;
+    if (status == STATUS_OK && !meets_itself) status = find_overlap(maker, &meets_itself, error);
+    if (!meets_itself) return status == STATUS_OK ? grower_finish(&maker->grower, "the sweep", mesh, error) : status;
+    grower_clear(&maker->grower);
+    return sweep_make_union(maker->shape, maker->stations, maker->n_stations, pool, mesh, &found->reached, error);
+}
+
+static Status make_outlined(SweepMaker *maker, Mesh **mesh, SweepFound *found, Error *error)
+{
+    Status status = make_surface(maker, error);
+    found->folds = maker->folds;
+    if (maker->folds) found->fits = largest_fit(maker);
+    return status == STATUS_OK ? grower_finish(&maker->grower, "the sweep", mesh, error) : status;
+}
+
+Status mesh_make_sweep(const SweepShape *shape, Pool *pool, Mesh **mesh, SweepFound *found, Error *error)
 {
     Outline2 own = {0}, hollow = {0}; /* a circle, or the outline with shorter sides */
     SweepMaker maker = {.shape = shape, .outline = shape->outline, .twist = shape->outline ? shape->twist : 0};
-    *overlap = (SweepOverlap){0};
+    *found = (SweepFound){.folds = false};
     Status status = STATUS_OK;
     if (!shape->outline)
         status = make_circle(shape, &own, error);
@@ -671,10 +688,10 @@ Status mesh_make_sweep(const SweepShape *shape, Mesh **mesh, SweepOverlap *overl
         status = cut_sides(shape, &own, &hollow, error);
     if (own.n_points) maker.outline = &own;
     maker.hollow = hollow.n_points ? &hollow : maker.outline;
-    if (status == STATUS_OK) status = make_all(&maker, overlap, error);
-    overlap->folds = maker.folds;
-    if (maker.folds) overlap->fits = largest_fit(&maker);
-    if (status == STATUS_OK) status = grower_finish(&maker.grower, "the sweep", mesh, error);
+    if (status == STATUS_OK) status = make_path(&maker, error);
+    if (status == STATUS_OK)
+        status =
+            shape->outline ? make_outlined(&maker, mesh, found, error) : make_round(&maker, pool, mesh, found, error);
     grower_clear(&maker.grower);
     free(maker.stations);
     free(maker.natural);
