@@ -146,6 +146,11 @@ static Box3 add_circle(Box3 box, const PieceEnd *end, Vec3 along, double margin)
     return box3_add_point(box3_add_point(box, vec3_sub(end->at, corner)), vec3_add(end->at, corner));
 }
 
+static double volume_of(Box3 box)
+{
+    return (box.max.x - box.min.x) * (box.max.y - box.min.y) * (box.max.z - box.min.z);
+}
+
 static void set_piece(const SweepUnion *all, const SweepShape *shape, const Station *a, const Station *b, bool first,
                       bool last, UnionPiece *piece)
 {
@@ -164,6 +169,8 @@ static void set_piece(const SweepUnion *all, const SweepShape *shape, const Stat
 static Status make_union(SweepUnion *all, const SweepShape *shape, const Station *stations, Pool *pool, Mesh **mesh,
                          double *reached, Error *error)
 {
+    const double most_asked = 5e7,
+                 most_points = 1e9; /* of the grid: some ten seconds, and layers of some hundred megabytes */
     double largest = 0, smallest = HUGE_VAL;
     for (size_t i = 0; i <= all->n_pieces; i++) {
         largest = fmax(largest, stations[i].scale);
@@ -172,11 +179,14 @@ static Status make_union(SweepUnion *all, const SweepShape *shape, const Station
     double step = fmax(smallest, largest / 8) / 2;
     all->margin = largest / 16;
     Box3 bounds = box3_empty();
+    double filled = 0; /* volume that values are asked for */
     for (size_t i = 0; i < all->n_pieces; i++) {
         UnionPiece *piece = &all->pieces[i];
         set_piece(all, shape, &stations[i], &stations[i + 1], i == 0, i + 1 == all->n_pieces, piece);
         bounds = box3_union(bounds, piece->box);
+        filled += volume_of(piece->box);
     }
+    double part = fmin(filled / volume_of(bounds), 1);
     TRY(box_cells_make(&all->cells, bounds, CELLS_PER_PIECE, MAX_CELLS, &all->pieces->box, sizeof *all->pieces,
                        all->n_pieces, "the sweep", error));
     const ImplicitField field = {all, union_layer, union_value, union_value, union_gradient, union_bounds};
@@ -184,7 +194,7 @@ static Status make_union(SweepUnion *all, const SweepShape *shape, const Station
                                      .tolerance = shape->tolerance,
                                      .cells =
                                          (uint32_t)fmin(vec3_max_abs(vec3_sub(bounds.max, bounds.min)) / step, 1000),
-                                     .max_points = 1000000000,
+                                     .max_points = (uint64_t)fmin(most_asked / part, most_points),
                                      .pool = pool};
     ImplicitFound found;
     TRY(mesh_make_implicit(&field, &options, "the sweep", mesh, &found, error));
