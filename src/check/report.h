@@ -19,6 +19,8 @@ void report_warnings(const CompiledScene *compiled, const ReportView *view, Diag
 void report_lost_lights(const CompiledScene *compiled, const ReportView *view, Diag *diag);
 /* And of each medium in which paths hardly ever end. */
 void report_endless(const CompiledScene *compiled, Diag *diag);
+/* And remarks on objects in which light is scattered at least so often before it leaves or comes to a camera that is in there. */
+void report_many_scatterings(const CompiledScene *compiled, double least, Diag *diag);
 /* And of each volume that covers next to nothing of an object whose medium varies by it. */
 void report_small_volumes(const CompiledScene *compiled, Diag *diag);
 /* And remarks on what is so thin, or so far from the origin, that coordinates are coarse for it. */

@@ -681,66 +681,6 @@ static void remark_cameras(Remarks *r)
     nest_list_clear(&list);
 }
 
-/* ---- what takes long ---- */
-
-/* The mean length of lines through a body, of all directions: 4 V / S, S its surface. That is at least a ball's of its volume; about
- * as large a part of its box's as its volume is of the box's, which is so of balls, cylinders and cubes in theirs; and where it
- * is hollow, half of that at least. */
-static double mean_chord(double volume, const Box3 *box)
-{
-    Vec3 d = vec3_sub(box->max, box->min);
-    double of_ball = cbrt(36 * MEN_PI * volume * volume), of_box = 2 * (d.x * d.y + d.y * d.z + d.z * d.x);
-    return 4 * volume / fmax(of_ball, of_box * fmax(volume / (d.x * d.y * d.z), 0.5));
-}
-
-/* What comes in evenly goes 4 V / S in there on the mean, however often it is scattered (S. Blanco, R. Fournier, "An Invariance Property of
- * Diffusive Random Walks", Europhysics Letters 61(2) (2003)). */
-double report_count_scatterings(const SceneMedium *medium, double chord)
-{
-    const float wavelengths[] = {450, 500, 550, 600, 650};
-    double most = 0;
-    for (size_t i = 0; i < COUNT_OF(wavelengths); i++) {
-        double scattering = (double)spectrum_at_one(&medium->scattering, wavelengths[i]),
-               absorption = (double)spectrum_at_one(&medium->absorption, wavelengths[i]);
-        most = fmax(most, scattering / (1 / chord + absorption));
-    }
-    return most;
-}
-
-/* In a body of a larger index than what is around it light is held back by total reflection, and goes further by the square of
- * that (R. Savo et al., "Observation of mean path length invariance in light-scattering media", Science 358 (2017)). */
-static double index_squared(const Remarks *r, const SceneMedium *medium)
-{
-    double index = (double)spectrum_at_one(&medium->ior, SCENE_INDEX_NM) /
-                   (double)spectrum_at_one(&r->scene->media[NEST_WORLD_MEDIUM].ior, SCENE_INDEX_NM);
-    return fmax(index * index, 1);
-}
-
-/* Each time a path goes on in another direction, and asks for light. Clear glass takes a path less than ten rays. */
-static void remark_many_scatterings(Remarks *r)
-{
-    const double many = 60;
-    Tally tally = {.code = D_MANY_SCATTERINGS};
-    for (uint32_t h = 0; h < r->compiled->n_hulls; h++) {
-        const SceneObject *object = report_object(r->compiled, h);
-        const SceneMedium *medium = &r->scene->media[object->medium];
-        double volume = r->compiled->hulls[h].volume;
-        if (!medium->scatters || medium->density || !isfinite(volume) || is_one_of_many(r, h)) continue;
-        double length = mean_chord(volume, &r->compiled->hull_bounds[h]) * index_squared(r, medium);
-        double n = report_count_scatterings(medium, length);
-        if (n < many || !tally_next(&tally)) continue;
-        Diagnostic *report =
-            diag_report(r->diag, D_MANY_SCATTERINGS, object->span,
-                        "light is scattered some %.0f times in %s before it leaves, which takes a path as many steps",
-                        10 * round(n / 10), object->name);
-        diag_note(r->diag, report, medium->span, "its medium is here");
-        diag_hint(r->diag, report,
-                  "if no light is to be seen through it, a surface with an albedo takes one; else let light go farther "
-                  "between two of them");
-    }
-    tally_end(r, &tally);
-}
-
 void report_remarks(const CompiledScene *compiled, Diag *diag)
 {
     Remarks r = {.compiled = compiled, .scene = compiled->scene, .diag = diag};
@@ -764,7 +704,7 @@ void report_remarks(const CompiledScene *compiled, Diag *diag)
         remark_cameras(&r);
         remark_covered_cameras(&r, 0, r.scene->n_cameras);
         remark_beyond_poles(&r);
-        remark_many_scatterings(&r);
+        report_many_scatterings(compiled, 60, diag);
         report_mesh_materials(compiled, diag);
     }
     probe_clear(&r.probe);

@@ -227,6 +227,8 @@ static Status render_and_write(RenderRun *run, Error *error)
 /* What a picture would be without, and not look wrong for; and what it would take for ever. */
 static void warn_of_losses(void *context)
 {
+    const double many_scatterings =
+        600; /* ten times what check says something of: it takes minutes for what others take seconds */
     RenderRun *run = context;
     Vec3 places[VIEWPOINT_PLACES];
     ReportView view =
@@ -236,6 +238,7 @@ static void warn_of_losses(void *context)
     report_small_volumes(run->input.compiled, &run->input.diag);
     report_nested_parts(run->input.compiled, &run->input.diag);
     if (!run->talk->quiet) {
+        report_many_scatterings(run->input.compiled, many_scatterings, &run->input.diag);
         report_coarse_places(run->input.compiled, &run->input.diag);
         report_covered_camera(run->input.compiled, run->settings.camera, &run->input.diag);
     }

@@ -384,6 +384,20 @@ static inline bool cross_nearest(Path *path, Event *event)
     return true;
 }
 
+/* The path is scattered at t, and does not come to what was counted behind. */
+static void discount(Tracer *tracer, const Event *event, double t)
+{
+    PathCounters *counters = &tracer->counters;
+    const Hit *passed = tracer->passed.items;
+    size_t n_behind = 0;
+    while (n_behind < tracer->passed.n && passed[tracer->passed.n - 1 - n_behind].t >= t) n_behind++;
+    counters->crossings -= n_behind;
+    counters->silent_crossings -= n_behind;
+    if (event->kind != EVENT_BOUNDARY) return;
+    counters->crossings -= event->n_cluster;
+    counters->nesting_faults -= event->crossing.n_faults;
+}
+
 /* tracer->list becomes the one in front of the event's surfaces. */
 static inline void take_before(Tracer *tracer, const Event *event)
 {
@@ -416,6 +430,7 @@ void path_next_event(Path *path, Event *event)
         double flown = LIKELY(!uneven) ? flight_even(path, &flight, medium, length)
                                        : flight_uneven(path, &flight, t_done, length, &medium);
         if (flown < length) {
+            discount(tracer, event, t_done + flown);
             *event = (Event){.kind = EVENT_SCATTER, .t = t_done + flown, .medium = medium};
             airlight_note(path, &flight, uneven, event->t);
             bool clear = true;

@@ -10,6 +10,7 @@
 #include "optics/balance.h"
 #include "optics/bsdf_spec.h"
 #include "optics/sampling.h"
+#include "scene/ties.h"
 #include "trace/event.h"
 #include "trace/probe.h"
 #include "trace/texture_shade.h"
@@ -417,9 +418,10 @@ Lanes path_pass_panes(const Path *path, const Ray *ray, const Hit *hits, size_t 
 {
     const World *world = path->tracer->world;
     Lanes left = lanes_all(1), around = medium_ior(world, medium, path->wavelengths.nm);
+    const Hit *met = ties_met(world->compiled, hits, n); /* as a path that comes here meets no other one */
     for (size_t i = 0; i < n; i++) {
         const Hit *hit = &hits[i];
-        if (world->compiled->hull_of_object[hit->object] != SCENE_NONE) continue;
+        if (!met || hit->object != met->object) continue;
         bool again = false; /* an edge that two triangles share */
         for (size_t k = 0; k < i; k++) again |= hits[k].object == hit->object && hits[k].entering == hit->entering;
         if (again) continue;

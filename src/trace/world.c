@@ -131,6 +131,15 @@ static bool is_one_light(const World *world, const LightChoices *choices)
     return choices->items[0].light != LIGHT_ENVIRONMENT || !world->n_portals;
 }
 
+/* Around all that an object has surfaces of that are passed, at any time of the shutter; of one without end, a part of that. Those
+ * of operands reach beyond their combination, and lists tell of them there, too. */
+static Box3 passed_bounds(const World *world, uint32_t object)
+{
+    uint32_t pass = world->compiled->hull_of_object[object];
+    if (pass < world->compiled->n_hulls) return world->compiled->hull_bounds[pass];
+    return scene_object_bounds(world->scene, &world->scene->objects[object], NULL);
+}
+
 /* Whether the hulls around the camera may be others at another time: it moves itself, or something that moves comes to
  * where it is. */
 static bool camera_list_may_move(const World *world)
@@ -139,21 +148,12 @@ static bool camera_list_may_move(const World *world)
     if (world->camera.keys) return true;
     for (uint32_t i = 0; i < world->scene->n_objects; i++) {
         const SceneObject *object = &world->scene->objects[i];
-        uint32_t hull = compiled_hull(compiled, i);
+        uint32_t hull = compiled->hull_of_object[i];
         if (hull == SCENE_NONE || object->shape == SCENE_NONE) continue;
         if (object->motion == SCENE_NONE && !world->scene->shapes[object->shape].mesh_end) continue;
-        if (box3_holds_point(compiled->hull_bounds[hull], world->camera.from)) return true;
+        if (box3_holds_point(passed_bounds(world, i), world->camera.from)) return true;
     }
     return false;
-}
-
-/* Around all that an object has surfaces of that are passed, at any time of the shutter; of one without end, a part of that. Those
- * of operands reach beyond their combination, and lists tell of them there, too. */
-static Box3 passed_bounds(const World *world, uint32_t object)
-{
-    uint32_t pass = world->compiled->hull_of_object[object];
-    if (pass < world->compiled->n_hulls) return world->compiled->hull_bounds[pass];
-    return scene_object_bounds(world->scene, &world->scene->objects[object], NULL);
 }
 
 static bool comes_near(Box3 box, Box3 places, double distance)

@@ -771,6 +771,31 @@ static void sheets_in_boundaries(void **state)
     truth_alike("a lamp through nothing", found[1], found[7], 4, 0.01);
 }
 
+/* Of sheets at one place a path meets one, and so do looks for light. */
+static void sheets_at_one_place(void **state)
+{
+    (void)state;
+    static const char flat[] = "mesh { positions = [<-50, 0, -50>, <50, 0, -50>, <50, 0, 50>, <-50, 0, 50>]\n"
+                               "triangles = [<0, 2, 1>, <0, 3, 2>]  surface = %s }\n";
+    static const char *const pairs[][2] = {{"pane", "pane"}, {"pane", "tinted"}, {"tinted", "pane"}};
+    for (size_t i = 0; i <= COUNT_OF(pairs); i++) {
+        char text[1800], sheets[700] = "box { from = <-50, -9, -50>  to = <50, 0, 50>  surface = pane }\n"
+                                       "box { from = <-50, 0, -50>  to = <50, 9, 50>  surface = tinted }\n";
+        for (size_t k = 0, n = 0; i < COUNT_OF(pairs) && k < 2; k++)
+            n += (size_t)snprintf(sheets + n, sizeof sheets - n, flat, pairs[i][k]);
+        snprintf(text, sizeof text,
+                 "meniscus 1.0 unit mm " PANE
+                 "surface tinted { thin = true  transmission = 1  ior = 1.5  roughness = 0\n"
+                 "  tint = rgb(.3, .5, .9) }\n"
+                 "camera { from = <-10.9, -10, 20>  to = <0, -60, 0>  fov = .01deg }\n"
+                 "ground { y = -60  surface = surface { albedo = .8 } }\n"
+                 "light { shape = sphere  from = <10, 60, 0>  radius = 20  radiance = 10 }\n%s",
+                 sheets);
+        truth_alike(i < COUNT_OF(pairs) ? pairs[i][1] : "boxes of panes", truth_measure(text, NULL, 4096, false),
+                    truth_measure(text, NULL, 4096, true), 4, 0.02);
+    }
+}
+
 static void double_glazing(void **state)
 {
     (void)state;
@@ -829,6 +854,7 @@ int main(void)
         cmocka_unit_test(mirrored_to_dark_side),
         cmocka_unit_test(by_other_policies),
         cmocka_unit_test(sheets_in_boundaries),
+        cmocka_unit_test(sheets_at_one_place),
         cmocka_unit_test(double_glazing),
         cmocka_unit_test(lamps_of_lines),
     };

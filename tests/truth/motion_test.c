@@ -209,6 +209,17 @@ static const Look volumes[] = {
      NEAR, 1024, 32, .02},
 };
 
+/* The camera stands in what is taken away, beyond all that is left, and is not in it when the shutter closes. */
+#define DRILLED                                                                                                        \
+    "box { from = <-4, -4, -2>  to = <4, 4, -1> }\n"                                                                   \
+    "  box { from = <-1, -1, -9>  to = <1, 1, 9>  translate(<0, 3 * t, 0>) } }\n"
+static const Look drills[] = {
+    {"a drill around the camera", "difference { surface = surface { albedo = .2 }  " DRILLED, NEAR, 256, 32, .02},
+    {"a drill through glass",
+     "difference { interior = glass  " DRILLED "ground { y = -2  surface = surface { albedo = .5 } }\n", NEAR, 256, 32,
+     .02},
+};
+
 static void compare_all(const Look *looks, size_t n)
 {
     for (size_t i = 0; i < n; i++) {
@@ -228,6 +239,12 @@ static void volumes_are_blurred(void **state)
 {
     (void)state;
     compare_all(volumes, COUNT_OF(volumes));
+}
+
+static void drills_pass_the_camera(void **state)
+{
+    (void)state;
+    compare_all(drills, COUNT_OF(drills));
 }
 
 static void moving_furnace(void **state)
@@ -292,6 +309,7 @@ int main(void)
         cmocka_unit_test(blurred_is_the_mean_of_sharp),
         cmocka_unit_test(textures_are_blurred),
         cmocka_unit_test(volumes_are_blurred),
+        cmocka_unit_test(drills_pass_the_camera),
         cmocka_unit_test(moving_furnace),
         cmocka_unit_test(camera_dives),
     };
