@@ -240,6 +240,27 @@ while read -r line; do printf '%s\n' "$line" > line; is_json line; done < err
 says err '"event": "done"'
 end
 
+begin "what is scattered crosses no surface, and render says where that takes very long"
+cat > milk.mns <<'SCENE'
+meniscus 1.0 unit cm
+medium milk { ior = 1  scattering = 30 / 1cm }
+param inside = false
+sphere { radius = 4  interior = milk }
+environment { color = 1 }
+camera { from = inside ? <0, 1, 2> : <0, 0, 20>  to = <0, 0, 0>  fov = 30  expect = inside ? [milk] : [] }
+SCENE
+run render milk.mns -o a.exr -s 8 --size 20x15 --stats=s.json
+exits 0
+says_not err many-scatterings
+"$python" - <<'PYTHON' || flunk "crossings are not surfaces"
+import json
+stats = json.load(open("s.json"))
+assert 0 < stats["crossings"] <= 2 * stats["paths"] < stats["rays"] / 8, stats
+PYTHON
+run render milk.mns -o a.exr -s 1 --size 4x3 -D inside=true
+says err 'many-scatterings'
+end
+
 begin "a time limit ends a render with status 0"
 long_scene
 run render long.mns -o a.exr -t 0.3s --progress none
