@@ -240,6 +240,7 @@ static void warn_of_losses(void *context)
     if (!run->talk->quiet) {
         report_many_scatterings(run->input.compiled, many_scatterings, &run->input.diag);
         report_coarse_places(run->input.compiled, &run->input.diag);
+        if (!run->plan.numbered) report_empty_view(run->input.compiled, run->settings.camera, &run->input.diag);
         report_covered_camera(run->input.compiled, run->settings.camera, &run->input.diag);
     }
 }

@@ -1,0 +1,75 @@
+/* report_view.c - cameras that have nothing before them.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <math.h>
+
+#include "check/report_parts.h"
+
+/* Whether a box is wholly beyond one of the planes around what a camera shows: before the camera, and between the sides of its film,
+ * or a little outside of these. */
+static bool is_out_of_view(const SceneCamera *camera, const SceneFilm *film, Box3 box)
+{
+    const double slack = 1.1,
+                 sides[2] = {slack * camera->half_width, slack * camera->half_width * film->height / film->width};
+    bool flat = camera->projection == PROJECTION_ORTHOGRAPHIC;
+    int n_beyond[5] = {0};
+    for (int corner = 0; corner < 8; corner++) {
+        Vec3 p = vec3(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
+                      corner & 4 ? box.max.z : box.min.z);
+        Vec3 way = vec3_sub(p, camera->from);
+        double depth = vec3_dot(way, camera->forward), reach = flat ? 1 : depth;
+        double across = vec3_dot(way, camera->right), up = vec3_dot(way, camera->up);
+        n_beyond[0] += depth <= 0;
+        n_beyond[1] += across > sides[0] * reach;
+        n_beyond[2] += -across > sides[0] * reach;
+        n_beyond[3] += up > sides[1] * reach;
+        n_beyond[4] += -up > sides[1] * reach;
+    }
+    for (int i = 0; i < 5; i++)
+        if (n_beyond[i] == 8) return true;
+    return false;
+}
+
+static bool is_behind(const SceneCamera *camera, Box3 box)
+{
+    Vec3 f = camera->forward;
+    Vec3 foremost =
+        vec3(f.x > 0 ? box.max.x : box.min.x, f.y > 0 ? box.max.y : box.min.y, f.z > 0 ? box.max.z : box.min.z);
+    return vec3_dot(vec3_sub(foremost, camera->from), f) <= 0;
+}
+
+void report_empty_view(const CompiledScene *compiled, uint32_t number, Diag *diag)
+{
+    const Scene *scene = compiled->scene;
+    const SceneCamera *camera = &scene->cameras[number];
+    const SceneObject *nearest = NULL;
+    double distance = HUGE_VAL;
+    Vec3 place = camera->from;
+    bool all_behind = true, endless = false;
+    if (camera->keys || (camera->projection != PROJECTION_PERSPECTIVE && camera->projection != PROJECTION_ORTHOGRAPHIC))
+        return;
+    for (uint32_t i = 0; i < scene->n_objects; i++) {
+        const SceneObject *object = &scene->objects[i];
+        if (object->part_of != SCENE_NONE) continue;
+        Box3 box = scene_object_bounds(scene, object, NULL);
+        if (box3_is_empty(box)) continue;
+        endless |= box3_is_unbounded(box);
+        if (box3_is_unbounded(box)) continue;
+        if (!is_out_of_view(camera, &scene->film, box)) return;
+        all_behind = all_behind && is_behind(camera, box);
+        double away = vec3_length(vec3_sub(box3_centre(box), camera->from));
+        if (away >= distance) continue;
+        distance = away;
+        nearest = object;
+        place = box3_centre(box);
+    }
+    if (!nearest || (endless && !all_behind)) return; /* a floor may be all that is meant to be seen */
+    Vec3 f = camera->forward;
+    Diagnostic *report = diag_report(diag, D_EMPTY_VIEW, camera->span, "no object is in view of %s%s", camera->name,
+                                     all_behind ? ": all are behind it" : "");
+    diag_note(diag, report, nearest->span, "the nearest, %s, is here", nearest->name);
+    diag_hint(
+        diag, report,
+        "it looks along <%.3g, %.3g, %.3g>, and x goes to the right, y up and z towards the viewer; to look at %s: "
+        "to = <%.4g, %.4g, %.4g>",
+        f.x, f.y, f.z, nearest->name, place.x, place.y, place.z);
+}
