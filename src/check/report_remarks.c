@@ -166,7 +166,7 @@ static void mark_merging(const Remarks *r, bool *suspect)
 }
 
 /* An engraving that stands half out: the body is on top where both are, so that nothing is cut out of it. */
-static void hint_at_cut(Remarks *r, Diagnostic *report, uint32_t hull)
+static bool hint_at_cut(Remarks *r, Diagnostic *report, uint32_t hull)
 {
     const CompiledScene *compiled = r->compiled;
     for (size_t i = 0; i < compiled->n_pairs; i++) {
@@ -179,8 +179,9 @@ static void hint_at_cut(Remarks *r, Diagnostic *report, uint32_t hull)
                   "%s is on top where both are; to cut %s out of it, put both into difference { ... }, %s first, or "
                   "give %s a larger priority",
                   body->name, object->name, body->name, object->name);
-        return;
+        return true;
     }
+    return false;
 }
 
 static void remark_indifferent(Remarks *r)
@@ -208,7 +209,8 @@ static void remark_indifferent(Remarks *r)
                         "nothing would change without %s: it is of %s%s%s, and so %s all that it is in", object->name,
                         medium->name, other ? ", which looks like " : "",
                         other ? r->scene->media[NEST_WORLD_MEDIUM].name : "", other ? "does" : "is");
-        hint_at_cut(r, report, h);
+        if (!hint_at_cut(r, report, h) && compiled->hulls[h].medium != NEST_WORLD_MEDIUM && !other)
+            diag_hint(r->diag, report, "a hollow in a body is one of air: interior = air");
     }
     tally_end(r, &tally);
     free(suspect);

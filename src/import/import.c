@@ -157,11 +157,22 @@ static void write_item(Importer *im, ImportItem *item)
     if (part.length) node_word(&node, "part", buf_text(&part));
     add_unit(im, &node);
     if (im->options->up_z) node_word(&node, "up", "z");
+    if (item->rounded) buf_format(node_prop(&node, "crease"), "%ddeg", IMPORT_CREASE_DEGREES);
     import_add_matter(im, item, &node);
     node_end(&node);
     buf_clear(&part);
     buf_clear(&subject);
     im->out->n_objects++;
+}
+
+static void say_what_is_smoothed(Importer *im)
+{
+    bool rounded = false;
+    for (size_t i = 0; i < im->n_items; i++) rounded |= im->items[i].rounded;
+    if (rounded)
+        import_say(
+            im, "The file has no normals: with crease, what looks curved is shaded smoothly across edges that turn by "
+                "less. Without it there are facets.");
 }
 
 /* A file that is one closed object without a material is likely to become something clear. */
@@ -197,6 +208,7 @@ static void write_text(Importer *im)
     import_write_materials(im);
     import_begin_section(im, "Objects");
     say_what_it_could_be(im);
+    say_what_is_smoothed(im);
     for (size_t i = 0; i < im->n_items; i++) write_item(im, &im->items[i]);
     import_write_lights(im);
     import_write_cameras(im);

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/angle.h"
 #include "base/array.h"
 #include "import/import_parts.h"
 #include "lang/value.h"
@@ -165,6 +166,7 @@ static Status inspect(const Importer *im, Mesh *mesh, ImportItem *item)
         TRY(mesh_orient(mesh, NULL, &mended, im->error));
         if (mended) TRY(mesh_inspect(mesh, NULL, &report, im->error));
     }
+    if (!im->mesh->normals) TRY(mesh_is_rounded(mesh, IMPORT_CREASE_DEGREES * MEN_DEGREE, &item->rounded, im->error));
     item->closed = report.closed;
     item->n_open_edges = report.n_open_edges;
     item->volume = fabs(report.volume);

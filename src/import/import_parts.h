@@ -7,7 +7,7 @@
 #include "import/import.h"
 
 #define IMPORT_NONE UINT32_MAX
-enum { IMPORT_MOST_OBJECTS = 1000 };
+enum { IMPORT_MOST_OBJECTS = 1000, IMPORT_CREASE_DEGREES = 40 };
 
 /* Triangles that become one object of the scene. */
 typedef struct ImportItem {
@@ -19,6 +19,7 @@ typedef struct ImportItem {
     uint32_t first_run; /* of the source's: the order of the file */
     size_t n_triangles;
     bool closed, is_floor;
+    bool rounded; /* and without normals: shaded in facets, unless it gets some */
     uint32_t n_open_edges;
     double volume, area; /* of the file's units */
     Box3 box;            /* in scene units, y upward */

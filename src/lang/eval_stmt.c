@@ -132,13 +132,24 @@ static bool unit_fits(Evaluator *evaluator, const Stmt *stmt, const Define *defi
     return false;
 }
 
+/* NULL: it is not a single word. */
+static const char *bare_word(const Expr *expr)
+{
+    if (expr->kind == EXPR_NAME) return expr->as.name.symbol->text;
+    if (expr->kind != EXPR_CONSTANT) return NULL;
+    const Value *value = &expr->as.constant.value;
+    if (value->kind == VALUE_BOOL) return value->as.truth ? "true" : "false";
+    return value->kind == VALUE_NONE ? "none" : NULL;
+}
+
 /* The value that -D gives. A bare word counts as a string when one is wanted: shells eat quotes. */
 static bool take_define(Evaluator *evaluator, Stmt *stmt, Define *define, Value *value)
 {
     define->used = true;
     Value given = define->value;
-    if (define->expr->kind == EXPR_NAME && value->kind == VALUE_STRING)
-        given = value_text(define->expr->as.name.symbol->text);
+    const char *word = bare_word(define->expr);
+    if (word && value->kind == VALUE_STRING)
+        given = value_text(word);
     else if (define->expr->kind == EXPR_NAME)
         eval_value(evaluator, define->expr, &given);
     if (given.kind == VALUE_POISON || !unit_fits(evaluator, stmt, define)) return false;

@@ -59,6 +59,10 @@ ATTR_NODISCARD Status mesh_normalize_normals(Mesh *mesh, Error *error);
  * Positions and triangles stay what they are. end: NULL, or the same triangles later, whose vertices are split alike. O(n). */
 ATTR_NODISCARD Status mesh_make_normals(Mesh *mesh, Mesh *end, double crease_rad, Pool *pool, Error *error);
 
+/* Whether its facets are likely to stand for something that is curved: there are many, and of the edges where two of them turn at all,
+ * less than half turn by half of crease_rad or more. A cut gem has fewer facets. */
+ATTR_NODISCARD Status mesh_is_rounded(Mesh *mesh, double crease_rad, bool *rounded, Error *error);
+
 /* What closedness means: every undirected edge, by position, is used equally often in both directions. */
 typedef struct MeshReport {
     uint32_t n_open_edges;         /* edges used in one direction more than in the other */

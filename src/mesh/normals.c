@@ -69,6 +69,28 @@ static Status unite_smooth(Corners *corners, double cos_crease, Pool *pool, Erro
     return status;
 }
 
+Status mesh_is_rounded(Mesh *mesh, double crease_rad, bool *rounded, Error *error)
+{
+    enum { LEAST_TRIANGLES = 500 };
+    const double flat = cos(0.01), sharp = cos(0.5 * crease_rad);
+    Topology topology;
+    Edge edge;
+    uint32_t low = 0;
+    size_t at = 0, n_turning = 0, n_sharp = 0;
+    *rounded = false;
+    if (mesh->n_triangles < LEAST_TRIANGLES) return STATUS_OK;
+    Status status = topology_make(mesh, NULL, &topology, error);
+    while (status == STATUS_OK && topology_next_edge(&topology, &low, &at, &edge)) {
+        if (edge.n != 2 || edge.n_upward != 1) continue;
+        double cosine = vec3_dot(face_normal(mesh, edge.uses[0].triangle), face_normal(mesh, edge.uses[1].triangle));
+        n_turning += cosine < flat;
+        n_sharp += cosine < sharp;
+    }
+    topology_clear(&topology);
+    *rounded = 2 * n_sharp < n_turning;
+    return status;
+}
+
 /* The leader of a group is its lowest corner, so that it has its number before the others ask for it. */
 static void number_groups(Corners *corners)
 {

@@ -58,7 +58,10 @@ static bool operand_matter_fits(Builder *b, const EvalNode *node)
                                                          "this %s is a part of one %s, which is made of something else",
                                                          node->type->name, whole->node->type->name);
     if (wrong != priority) diag_note(b->diag, report, whole->matter_span, "the whole is made of this");
-    diag_hint(b->diag, report, wrong == priority ? "move it there" : "one combination has one interior");
+    diag_hint(b->diag, report,
+              wrong == priority
+                  ? "move it there"
+                  : "one combination has one interior; what is of several may overlap in a group { ... }");
     return false;
 }
 

@@ -22,7 +22,7 @@ there drink-Oak_Planks.png
 matches drink.mns '^medium glass \{ ior = 1.5  state = solid \}$'
 matches drink.mns '^medium whisky \{ ior = 1.36  state = liquid  tint = rgb\(0.85, 0.42, 0.08\)  depth = 12mm \}$'
 matches drink.mns '^mesh drink \{ file = model  part = "Drink"  interior = whisky \}$'
-matches drink.mns '^mesh ball \{ file = model  part = "Ball"  surface = gold \}$'
+matches drink.mns '^mesh ball \{ file = model  part = "Ball"  crease = 40deg  surface = gold \}$'
 matches drink.mns '^light lamp \{ shape = sphere  from = <-300, 500, 300>  radius = 10  power = 10 '
 matches drink.mns '^camera camera_view \{ from = <0, 170, 380>'
 is_a_scene drink.mns
@@ -40,10 +40,11 @@ exits 0
 says err "material 'Glass': its colour is taken as that after the mean way"
 is_a_scene odd.mns
 same_flat odd.mns
-matches odd.mns '^mesh glass_object \{ file = model  part = "object:#0"  interior = glass \}$'
-matches odd.mns '^mesh glass_object_2 \{ file = model  part = "object:#1"  interior = glass_2  surface = glass_2_boundary \}$'
+matches odd.mns '^mesh glass_object \{ file = model  part = "object:#0"  crease = 40deg  interior = glass \}$'
+matches odd.mns '^mesh glass_object_2 \{ file = model  part = "object:#1"  crease = 40deg  interior = glass_2$'
+matches odd.mns '^  surface = glass_2_boundary \}$'
 matches odd.mns '^mesh object_3 \{ file = model  part = "object:#3"  surface = é \}$'
-matches odd.mns '^mesh camera_object \{ file = model  part = "camera"  interior = glass \}$'
+matches odd.mns '^mesh camera_object \{ file = model  part = "camera"  crease = 40deg  interior = glass \}$'
 end
 
 begin "import: whatever a material says"

@@ -423,18 +423,20 @@ static void test_files(void **state)
 static void test_params(void **state)
 {
     Run run;
-    static const char *const defines[] = {"level=2cm", "mode=fine", "tone=.5", "many=[1, 2]"};
+    static const char *const defines[] = {"level=2cm",   "mode=fine", "tone=.5",
+                                          "many=[1, 2]", "kind=none", "answer=true"};
     (void)state;
     run_open(&run);
     run.options.defines = defines;
     run.options.n_defines = COUNT_OF(defines);
     run.text =
         "meniscus 1.0 unit mm param level = 34mm in 5mm..60mm param mode = \"coarse\" in [\"coarse\", \"fine\"]\n"
-        "param tone: color = #000 param many: list = [] \"a list\" print(level, mode, tone, many)";
+        "param tone: color = #000 param many: list = [] \"a list\" param kind = \"\" param answer = \"no\"\n"
+        "print(level, mode, tone, many, kind, answer)";
     run_go(&run);
     expect_fine(&run);
-    assert_string_equal(buf_text(&run.result.printed), "20finergb(0.5, 0.5, 0.5)[1, 2]\n");
-    assert_int_equal(run.result.n_params, 4);
+    assert_string_equal(buf_text(&run.result.printed), "20finergb(0.5, 0.5, 0.5)[1, 2]nonetrue\n");
+    assert_int_equal(run.result.n_params, 6);
     assert_string_equal(run.result.params[1].value, "\"fine\"");
     run_close(&run);
 }
