@@ -5,6 +5,7 @@
  * and comes from the tables of commands, options, exit statuses, nodes and diagnostics; all else in a page is
  * written by hand and stays as it is.
  * SPDX-License-Identifier: Apache-2.0 */
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,6 +16,7 @@
 #include "cli/reference.h"
 #include "diag/limits.h"
 #include "lang/builtin.h"
+#include "lang/habits.h"
 #include "scene/build.h"
 
 #define BEGIN_MARK ".\\\" generated: "
@@ -275,6 +277,32 @@ static void print_diagnostics(DiagSeverity severity, Buf *out)
     buf_add(out, ".El\n");
 }
 
+static int compare_words(const void *left, const void *right)
+{
+    const char *const *a = left, *const *b = right;
+    return strcmp(*a, *b);
+}
+
+/* What messages say of POV-Ray's blocks. */
+static Status print_habits(Buf *out, Error *error)
+{
+    size_t n = habit_n_blocks();
+    const char **words = malloc(n * sizeof *words);
+    if (!words) return fail_memory(error, n * sizeof *words, "words of POV-Ray");
+    for (size_t i = 0; i < n; i++) words[i] = habit_block_word(i);
+    qsort(words, n, sizeof *words, compare_words);
+    buf_add(out, ".Bl -tag -width Ds -compact\n");
+    for (size_t i = 0; i < n; i++) {
+        char first[64] = "";
+        snprintf(first, sizeof first, "%.*s", (int)strcspn(words[i], " "), words[i]);
+        buf_format(out, ".It Li %s\n", words[i]);
+        mdoc_sentence(out, habit_block(first));
+    }
+    buf_add(out, ".El\n");
+    free(words);
+    return STATUS_OK;
+}
+
 static void print_limits(Buf *out)
 {
     buf_add(out, ".Bl -column \"1073741824\" \"elements\"\n");
@@ -295,6 +323,7 @@ static Status print_section(const char *kind, Buf *out, Error *error)
     if (strncmp(kind, command, sizeof command - 1) == 0) return print_command(kind + sizeof command - 1, out, error);
     if (strncmp(kind, examples, sizeof examples - 1) == 0)
         return print_examples_of(kind + sizeof examples - 1, out, error);
+    if (strcmp(kind, "habits") == 0) return print_habits(out, error);
     if (strcmp(kind, "commands") == 0)
         print_command_list(out);
     else if (strcmp(kind, "exit statuses") == 0)

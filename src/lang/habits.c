@@ -275,6 +275,14 @@ const char *habit_block(const char *word)
 {
     return find(block_rows, COUNT_OF(block_rows), word);
 }
+size_t habit_n_blocks(void)
+{
+    return COUNT_OF(block_rows);
+}
+const char *habit_block_word(size_t i)
+{
+    return block_rows[i].word;
+}
 const char *habit_node(const char *word)
 {
     const char *block = habit_block(word);

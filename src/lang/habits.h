@@ -26,7 +26,9 @@ DirectiveForm habit_directive(const char *word, size_t length);
 /* The rest answer NULL for words that they do not know. */
 const char *habit_directive_pattern(const char *word);
 const char *habit_values(const char *node);
-const char *habit_block(const char *word);                     /* POV-Ray's */
+const char *habit_block(const char *word); /* POV-Ray's */
+size_t habit_n_blocks(void);
+const char *habit_block_word(size_t i);                        /* the words of it, i < habit_n_blocks() */
 const char *habit_node(const char *word);                      /* the same and those of others */
 const char *habit_setting(const char *node, const char *word); /* node: NULL at the top */
 const char *habit_word(const char *word);
