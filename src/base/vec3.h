@@ -216,6 +216,11 @@ static inline bool box3_holds_point(Box3 b, Vec3 p)
 {
     return p.x >= b.min.x && p.x <= b.max.x && p.y >= b.min.y && p.y <= b.max.y && p.z >= b.min.z && p.z <= b.max.z;
 }
+static inline bool box3_meets(Box3 a, Box3 b)
+{
+    return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y && a.min.z <= b.max.z &&
+           b.min.z <= a.max.z;
+}
 static inline bool box3_holds(Box3 outer, Box3 inner)
 {
     return box3_holds_point(outer, inner.min) && box3_holds_point(outer, inner.max);

@@ -84,16 +84,27 @@ const uint32_t *box_cells_at(const BoxCells *cells, Vec3 p, uint32_t *n)
     return cells->items + cells->first[number];
 }
 
-bool box_cells_reach(const BoxCells *cells, Box3 box)
+BoxCellsRange box_cells_range(const BoxCells *cells, Box3 box)
 {
-    uint32_t low[3], high[3], cell[3];
-    cell_of(cells, box.min, low);
-    cell_of(cells, box.max, high);
-    for (cell[2] = low[2]; cell[2] <= high[2]; cell[2]++)
-        for (cell[1] = low[1]; cell[1] <= high[1]; cell[1]++) { /* the cells of a row stand side by side */
-            cell[0] = low[0];
-            size_t number = cell_number(cells, cell);
-            if (cells->first[number + high[0] - low[0] + 1] > cells->first[number]) return true;
-        }
-    return false;
+    BoxCellsRange range = {.n = 1};
+    cell_of(cells, box.min, range.low);
+    cell_of(cells, box.max, range.high);
+    for (int axis = 0; axis < 3; axis++) {
+        range.at[axis] = range.low[axis];
+        range.n *= range.high[axis] - range.low[axis] + 1;
+    }
+    return range;
+}
+
+bool box_cells_next(const BoxCells *cells, BoxCellsRange *range, const uint32_t **items, uint32_t *n)
+{
+    if (range->at[2] > range->high[2]) return false;
+    size_t number = cell_number(cells, range->at);
+    *items = cells->items + cells->first[number];
+    *n = cells->first[number + 1] - cells->first[number];
+    for (int axis = 0; axis < 3; axis++) {
+        if (++range->at[axis] <= range->high[axis] || axis == 2) break;
+        range->at[axis] = range->low[axis];
+    }
+    return true;
 }

@@ -27,7 +27,13 @@ void box_cells_clear(BoxCells *cells);
 
 /* The boxes that reach into the cell of a place, of which some may hold it; what is out of bounds has the nearest cell. */
 const uint32_t *box_cells_at(const BoxCells *cells, Vec3 p, uint32_t *n);
-/* Whether any box reaches into a cell that this one reaches into. */
-bool box_cells_reach(const BoxCells *cells, Box3 box);
+/* The cells that a box reaches into, n of them, and the one that is next. */
+typedef struct BoxCellsRange {
+    uint32_t low[3], high[3], at[3];
+    uint64_t n;
+} BoxCellsRange;
+BoxCellsRange box_cells_range(const BoxCells *cells, Box3 box);
+/* The boxes that reach into the next of these cells, a box in each of its cells; false: all have been. */
+bool box_cells_next(const BoxCells *cells, BoxCellsRange *range, const uint32_t **items, uint32_t *n);
 
 #endif

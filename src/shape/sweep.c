@@ -605,6 +605,22 @@ static Status find_overlap(const SweepMaker *maker, bool *found, Error *error)
     return status;
 }
 
+/* Whether the circle or the half ball at an end reaches through the plane of a station that is no farther along than runs_into asks of. */
+static bool end_reaches_back(const SweepMaker *maker, bool last)
+{
+    const Station *stations = maker->stations, *end = &stations[last ? maker->n_stations - 1 : 0];
+    Vec3 out = last ? end->tangent : negative(end->tangent);
+    for (size_t i = 1; i + 1 < maker->n_stations; i++) {
+        const Station *station = &stations[last ? maker->n_stations - 1 - i : i];
+        if (fabs(end->along - station->along) > 90 * MEN_DEGREE * (end->scale + station->scale)) return false;
+        Vec3 towards = last ? station->tangent : negative(station->tangent);
+        double cosine = vec3_dot(towards, out), before = vec3_dot(vec3_sub(end->at, station->at), towards);
+        double reach = cosine < 0 && maker->shape->round_ends ? 1 : sqrt(fmax(1 - cosine * cosine, 0));
+        if (before < end->scale * reach * (1 - 1e-9)) return true;
+    }
+    return false;
+}
+
 /* ---- all ---- */
 
 static Status make_circle(const SweepShape *shape, Outline2 *circle, Error *error)
@@ -662,6 +678,7 @@ static Status make_round(SweepMaker *maker, Pool *pool, Mesh **mesh, SweepFound 
     bool meets_itself = maker->folds;
     Status status = meets_itself ? STATUS_OK : make_surface(maker, error);
     meets_itself |= maker->folds;
+    if (!maker->shape->closed) meets_itself |= end_reaches_back(maker, false) || end_reaches_back(maker, true);
     if (status == STATUS_OK && !meets_itself) status = find_overlap(maker, &meets_itself, error);
     if (!meets_itself) return status == STATUS_OK ? grower_finish(&maker->grower, "the sweep", mesh, error) : status;
     grower_clear(&maker->grower);

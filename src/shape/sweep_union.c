@@ -8,7 +8,11 @@
 #include "shape/implicit.h"
 #include "shape/sweep_parts.h"
 
-enum { MAX_CELLS = 128, CELLS_PER_PIECE = 8 }; /* of the table of which pieces are where: along an axis, in all */
+enum {
+    MOST_CELLS_OF_BLOCK = 512,
+    MAX_CELLS = 128,
+    CELLS_PER_PIECE = 8
+}; /* of the table of which pieces are where: along an axis, in all */
 
 typedef enum EndKind {
     END_SHARED, /* the next piece goes on there */
@@ -26,6 +30,8 @@ typedef struct PieceEnd {
 /* Part of a cone about the line between two stations. */
 typedef struct UnionPiece {
     PieceEnd ends[2];
+    double balls[2];      /* radii of balls at the ends, which touch the sides of what meets there from within */
+    bool near_flat[2];    /* a flat end of the whole path, the first or the last, is so near that it cuts these balls */
     Vec3 along;           /* of length 1 */
     double slope, cosine; /* change of the radius per length; of the angle between side and axis */
     Box3 box;
@@ -34,79 +40,88 @@ typedef struct UnionPiece {
 typedef struct SweepUnion {
     UnionPiece *pieces;
     size_t n_pieces;
-    bool is_smooth; /* its normals turn from station to station, as the path does */
+    PieceEnd flat[2]; /* the ends of the path, where these are flat */
+    bool is_smooth;   /* its normals turn from station to station, as the path does */
     double margin; /* by so much the pieces' boxes are larger than they are: farther outside, values are its negative */
     BoxCells cells; /* of these boxes */
 } SweepUnion;
 
 /* ---- one piece ---- */
 
-/* How deep a place is within a piece, below 0 outside; false: it belongs to others. away: where the value falls fastest; may be NULL. */
-static bool piece_value(const UnionPiece *piece, bool is_smooth, Vec3 p, double *value, Vec3 *away)
+/* A depth, below 0 outside, and where it falls fastest. */
+typedef struct Depth {
+    double value;
+    Vec3 away;
+} Depth;
+
+static void cut_by(Depth *depth, double within, Vec3 inward)
+{
+    if (within < depth->value) *depth = (Depth){within, vec3_scale(inward, -1)};
+}
+
+/* The part of a piece between its ends' planes; false: the place is beyond one of them, and belongs to others. */
+static bool depth_of_cone(const UnionPiece *piece, bool is_smooth, Vec3 p, Depth *depth)
 {
     const PieceEnd *a = &piece->ends[0], *b = &piece->ends[1];
-    Vec3 from_a = vec3_sub(p, a->at), from_b = vec3_sub(p, b->at);
-    const double within[2] = {vec3_dot(from_a, a->inward), vec3_dot(from_b, b->inward)};
-    for (int i = 0; i < 2; i++) {
-        const PieceEnd *end = &piece->ends[i];
-        if (within[i] >= 0 || end->kind == END_FLAT) continue;
-        if (end->kind == END_SHARED) return false;
-        Vec3 way = i ? from_b : from_a;
-        double distance = vec3_length(way);
-        *value = end->radius - distance;
-        if (away) *away = vec3_scale(way, 1 / fmax(distance, 1e-300));
-        return true;
+    Vec3 from_a = vec3_sub(p, a->at), from_b = vec3_sub(p, b->at), axis = piece->along;
+    double within[2] = {vec3_dot(from_a, a->inward), vec3_dot(from_b, b->inward)};
+    for (int i = 0; i < 2; i++)
+        if (within[i] < 0 && piece->ends[i].kind != END_FLAT) return false;
+    double x = vec3_dot(from_a, axis);
+    Vec3 way = vec3_along(from_a, -x, axis);
+    double distance = vec3_length(way), t = within[0] / fmax(within[0] + within[1], 1e-300);
+    Vec3 out = vec3_scale(way, 1 / fmax(distance, 1e-300));
+    if (is_smooth) { /* as the path turns: the planes' normals are its tangents */
+        t = fmin(fmax(t, 0), 1);
+        axis = vec3_normalize(vec3_along(vec3_scale(a->inward, 1 - t), -t, b->inward));
     }
-    double x = vec3_dot(from_a, piece->along);
-    Vec3 way = vec3_along(from_a, -x, piece->along);
-    double distance = vec3_length(way);
-    *value = piece->cosine * (a->radius + piece->slope * x - distance);
-    if (away) {
-        Vec3 axis = piece->along, out = vec3_scale(way, 1 / fmax(distance, 1e-300));
-        double t = fmin(fmax(within[0] / fmax(within[0] + within[1], 1e-300), 0), 1);
-        if (is_smooth) /* as the path turns: the planes' normals are its tangents */
-            axis = vec3_normalize(vec3_along(vec3_scale(a->inward, 1 - t), -t, b->inward));
-        *away = vec3_along(out, -vec3_dot(out, axis) - piece->slope, axis);
-    }
-    for (int i = 0; i < 2; i++) {
-        if (piece->ends[i].kind != END_FLAT || within[i] >= *value) continue;
-        *value = within[i];
-        if (away) *away = vec3_scale(piece->ends[i].inward, -1);
-    }
+    depth->value = piece->cosine * (a->radius + piece->slope * x - distance);
+    depth->away = vec3_along(out, -vec3_dot(out, axis) - piece->slope, axis);
+    for (int i = 0; i < 2; i++)
+        if (piece->ends[i].kind == END_FLAT) cut_by(depth, within[i], piece->ends[i].inward);
     return true;
+}
+
+/* How deep a place is within a piece, if that is deeper than it is known to be. Where a path bends more than its radius, planes cross each
+ * other within the tube, and what is beyond belongs to none of its pieces: balls hold it. */
+static void look_deeper(const SweepUnion *all, const UnionPiece *piece, Vec3 p, Depth *deepest)
+{
+    Depth depth;
+    if (depth_of_cone(piece, all->is_smooth, p, &depth) && depth.value > deepest->value) *deepest = depth;
+    for (int i = 0; i < 2; i++) {
+        Vec3 way = vec3_sub(p, piece->ends[i].at);
+        double squared = vec3_dot(way, way), reach = piece->balls[i] - deepest->value;
+        if (!(reach > 0) || squared >= reach * reach) continue;
+        double distance = sqrt(squared);
+        depth = (Depth){piece->balls[i] - distance, vec3_scale(way, 1 / fmax(distance, 1e-300))};
+        for (int k = 0; k < 2; k++)
+            if (piece->near_flat[k])
+                cut_by(&depth, vec3_dot(vec3_sub(p, all->flat[k].at), all->flat[k].inward), all->flat[k].inward);
+        if (depth.value > deepest->value) *deepest = depth;
+    }
 }
 
 /* ---- all of them ---- */
 
-/* The deepest piece at a place; NULL: none is near. */
-static const UnionPiece *deepest_at(const SweepUnion *all, Vec3 p, double *value)
+static Depth depth_at(const SweepUnion *all, Vec3 p)
 {
     uint32_t n;
     const uint32_t *items = box_cells_at(&all->cells, p, &n);
-    const UnionPiece *deepest = NULL;
-    *value = -all->margin;
-    for (uint32_t i = 0; i < n; i++) {
-        double own;
-        if (!piece_value(&all->pieces[items[i]], all->is_smooth, p, &own, NULL) || own <= *value) continue;
-        *value = own;
-        deepest = &all->pieces[items[i]];
-    }
+    Depth deepest = {.value = -all->margin};
+    for (uint32_t i = 0; i < n; i++)
+        if (box3_holds_point(all->pieces[items[i]].box, p)) look_deeper(all, &all->pieces[items[i]], p, &deepest);
     return deepest;
 }
 
 static bool union_value(void *context, Vec3 p, double *value)
 {
-    (void)deepest_at(context, p, value);
+    *value = depth_at(context, p).value;
     return true;
 }
 
 static bool union_gradient(void *context, Vec3 p, Vec3 *gradient)
 {
-    const SweepUnion *all = context;
-    double value;
-    const UnionPiece *deepest = deepest_at(all, p, &value);
-    *gradient = vec3(0, 0, 0);
-    if (deepest && piece_value(deepest, all->is_smooth, p, &value, gradient)) *gradient = vec3_scale(*gradient, -1);
+    *gradient = vec3_scale(depth_at(context, p).away, -1);
     return true;
 }
 
@@ -119,13 +134,32 @@ static bool union_layer(void *context, const Lattice *lattice, uint32_t k, const
     return true;
 }
 
-/* Of what is far from all pieces it is known that it is outside. */
+/* At least the depth in a piece, also far outside: what is beyond its ends' planes counts as if it went on. */
+static double most_depth(const UnionPiece *piece, Vec3 p)
+{
+    Vec3 from_a = vec3_sub(p, piece->ends[0].at), from_b = vec3_sub(p, piece->ends[1].at);
+    double x = vec3_dot(from_a, piece->along), distance = vec3_length(vec3_along(from_a, -x, piece->along));
+    double cone = piece->cosine * (piece->ends[0].radius + piece->slope * x - distance);
+    return fmax(cone, fmax(piece->balls[0] - vec3_length(from_a), piece->balls[1] - vec3_length(from_b)));
+}
+
+/* Depths change by no more than a place does: what one says of the middle holds for all that is as near to it as it is deep. Only pieces
+ * whose boxes reach into this one have any depth in it. */
 static bool union_bounds(void *context, Box3 box, double *low, double *high)
 {
     const SweepUnion *all = context;
-    bool is_near = box_cells_reach(&all->cells, box);
-    *low = is_near ? -HUGE_VAL : -all->margin;
-    *high = is_near ? HUGE_VAL : -all->margin;
+    Vec3 middle = box3_centre(box);
+    double reach = 0.5 * vec3_length(vec3_sub(box.max, box.min));
+    BoxCellsRange range = box_cells_range(&all->cells, box);
+    *low = depth_at(all, middle).value - reach;
+    *high = -all->margin;
+    if (range.n > MOST_CELLS_OF_BLOCK) *high = HUGE_VAL;
+    const uint32_t *items;
+    for (uint32_t n; *high < HUGE_VAL && box_cells_next(&all->cells, &range, &items, &n);)
+        for (uint32_t i = 0; i < n; i++) {
+            const UnionPiece *piece = &all->pieces[items[i]];
+            if (box3_meets(piece->box, box)) *high = fmax(*high, most_depth(piece, middle) + reach);
+        }
     return true;
 }
 
@@ -151,17 +185,44 @@ static double volume_of(Box3 box)
     return (box.max.x - box.min.x) * (box.max.y - box.min.y) * (box.max.z - box.min.z);
 }
 
-static void set_piece(const SweepUnion *all, const SweepShape *shape, const Station *a, const Station *b, bool first,
-                      bool last, UnionPiece *piece)
+/* Of the change of the radius before and behind a station, the larger part: of the angle between side and axis. */
+static double cosine_at(const Station *stations, size_t n, bool closed, size_t i)
 {
+    double cosine = 1;
+    for (size_t k = 0; k < 2; k++) {
+        size_t from = i + k - 1; /* the piece before it, and the one behind it */
+        if (i + k == 0 || from + 1 >= n) {
+            if (!closed) continue;
+            from = i + k == 0 ? n - 2 : 0;
+        }
+        Vec3 step = vec3_sub(stations[from + 1].at, stations[from].at);
+        cosine = fmin(cosine, 1 / hypot(1, (stations[from + 1].scale - stations[from].scale) / vec3_length(step)));
+    }
+    return cosine;
+}
+
+static void set_piece(const SweepUnion *all, const SweepShape *shape, const Station *stations, size_t i,
+                      UnionPiece *piece)
+{
+    const Station *a = &stations[i], *b = a + 1, *end = &stations[all->n_pieces];
     Vec3 step = vec3_sub(b->at, a->at);
     double length = vec3_length(step);
     piece->along = vec3_scale(step, 1 / length);
     piece->slope = (b->scale - a->scale) / length;
     piece->cosine = 1 / hypot(1, piece->slope);
-    Vec3 begin = a->turns_back ? piece->along : a->tangent, end = b->turns_back ? piece->along : b->tangent;
-    piece->ends[0] = (PieceEnd){a->at, begin, a->scale, kind_of_end(shape, a, first)};
-    piece->ends[1] = (PieceEnd){b->at, vec3_scale(end, -1), b->scale, kind_of_end(shape, b, last)};
+    Vec3 begin = a->turns_back ? piece->along : a->tangent, last = b->turns_back ? piece->along : b->tangent;
+    piece->ends[0] = (PieceEnd){a->at, begin, a->scale, kind_of_end(shape, a, i == 0)};
+    piece->ends[1] = (PieceEnd){b->at, vec3_scale(last, -1), b->scale, kind_of_end(shape, b, i + 1 == all->n_pieces)};
+    for (size_t k = 0; k < 2; k++) {
+        bool is_round = piece->ends[k].kind == END_ROUND;
+        bool next_has_it = k == 1 && i + 1 < all->n_pieces;
+        piece->balls[k] =
+            next_has_it ? 0
+                        : a[k].scale * (is_round ? 1 : cosine_at(stations, all->n_pieces + 1, shape->closed, i + k));
+    }
+    bool flat = !shape->closed && !shape->round_ends;
+    piece->near_flat[0] = flat && a->along < 2 * fmax(a->scale, b->scale);
+    piece->near_flat[1] = flat && end->along - b->along < 2 * fmax(a->scale, b->scale);
     piece->box = add_circle(box3_empty(), &piece->ends[0], piece->along, all->margin);
     piece->box = add_circle(piece->box, &piece->ends[1], piece->along, all->margin);
 }
@@ -169,8 +230,8 @@ static void set_piece(const SweepUnion *all, const SweepShape *shape, const Stat
 static Status make_union(SweepUnion *all, const SweepShape *shape, const Station *stations, Pool *pool, Mesh **mesh,
                          double *reached, Error *error)
 {
-    const double most_asked = 5e7,
-                 most_points = 1e9; /* of the grid: some ten seconds, and layers of some hundred megabytes */
+    /* of the grid: some ten seconds, and layers of some hundred megabytes */
+    const double most_asked = 2e7, fewest_points = 1e6, most_points = 1e9;
     double largest = 0, smallest = HUGE_VAL;
     for (size_t i = 0; i <= all->n_pieces; i++) {
         largest = fmax(largest, stations[i].scale);
@@ -179,23 +240,23 @@ static Status make_union(SweepUnion *all, const SweepShape *shape, const Station
     double step = fmax(smallest, largest / 8) / 2;
     all->margin = largest / 16;
     Box3 bounds = box3_empty();
-    double filled = 0; /* volume that values are asked for */
+    double filled = 0; /* by boxes, in which values are asked for */
     for (size_t i = 0; i < all->n_pieces; i++) {
         UnionPiece *piece = &all->pieces[i];
-        set_piece(all, shape, &stations[i], &stations[i + 1], i == 0, i + 1 == all->n_pieces, piece);
+        set_piece(all, shape, stations, i, piece);
         bounds = box3_union(bounds, piece->box);
         filled += volume_of(piece->box);
     }
-    double part = fmin(filled / volume_of(bounds), 1);
+    double pieces = filled / volume_of(bounds); /* at a place, on the mean */
     TRY(box_cells_make(&all->cells, bounds, CELLS_PER_PIECE, MAX_CELLS, &all->pieces->box, sizeof *all->pieces,
                        all->n_pieces, "the sweep", error));
     const ImplicitField field = {all, union_layer, union_value, union_value, union_gradient, union_bounds};
-    const ImplicitOptions options = {.bounds = bounds,
-                                     .tolerance = shape->tolerance,
-                                     .cells =
-                                         (uint32_t)fmin(vec3_max_abs(vec3_sub(bounds.max, bounds.min)) / step, 1000),
-                                     .max_points = (uint64_t)fmin(most_asked / part, most_points),
-                                     .pool = pool};
+    const ImplicitOptions options = {
+        .bounds = bounds,
+        .tolerance = shape->tolerance,
+        .cells = (uint32_t)fmin(vec3_max_abs(vec3_sub(bounds.max, bounds.min)) / step, 1000),
+        .max_points = (uint64_t)fmin(fmax(most_asked / pieces, fewest_points), most_points),
+        .pool = pool};
     ImplicitFound found;
     TRY(mesh_make_implicit(&field, &options, "the sweep", mesh, &found, error));
     *reached = found.reached;
@@ -206,6 +267,9 @@ Status sweep_make_union(const SweepShape *shape, const Station *stations, size_t
                         double *reached, Error *error)
 {
     SweepUnion all = {.n_pieces = n_stations - 1, .is_smooth = shape->curve != SWEEP_LINEAR};
+    const Station *last = &stations[all.n_pieces];
+    all.flat[0] = (PieceEnd){stations->at, stations->tangent, stations->scale, END_FLAT};
+    all.flat[1] = (PieceEnd){last->at, vec3_scale(last->tangent, -1), last->scale, END_FLAT};
     all.pieces = calloc(all.n_pieces, sizeof *all.pieces);
     if (!all.pieces) return fail_memory(error, all.n_pieces * sizeof *all.pieces, "a sweep");
     Status status = make_union(&all, shape, stations, pool, mesh, reached, error);
