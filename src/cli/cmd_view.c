@@ -60,12 +60,14 @@ static void find_look(void *context, const char *name, const char *text)
     if (num_parse(text, strlen(text), &value)) output_find_look(context, name, value);
 }
 
-/* Standard input is read once, for the picture. */
+/* What comes by a pipe is read once, for the picture. */
 static Status read_picture(const char *path, Viewed *viewed, Error *error)
 {
-    bool has_look = strcmp(path, "-") != 0 && strcasecmp(file_extension(path), "exr") == 0;
+    Error none;
     TRY(image_read_linear(path, &viewed->image, error));
-    return has_look ? exr_visit_attributes(path, find_look, &viewed->own, error) : STATUS_OK;
+    if (file_kind(path) != FILE_REGULAR || exr_visit_attributes(path, find_look, &viewed->own, &none) != STATUS_OK)
+        viewed->own = (ColorLook){.stops = 0};
+    return STATUS_OK;
 }
 
 /* What the channels of an AOV are as a layer: "N" of "N.X|N.Y|N.Z", "Z" of "Z". */

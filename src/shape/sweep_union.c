@@ -8,11 +8,8 @@
 #include "shape/implicit.h"
 #include "shape/sweep_parts.h"
 
-enum {
-    MOST_CELLS_OF_BLOCK = 512,
-    MAX_CELLS = 128,
-    CELLS_PER_PIECE = 8
-}; /* of the table of which pieces are where: along an axis, in all */
+/* Of the table of which pieces are where: cells along an axis, in all; and in how many of them a block of the grid is looked up. */
+enum { MAX_CELLS = 128, CELLS_PER_PIECE = 8, MOST_LOOKED_UP = 512 };
 
 typedef enum EndKind {
     END_SHARED, /* the next piece goes on there */
@@ -30,7 +27,8 @@ typedef struct PieceEnd {
 /* Part of a cone about the line between two stations. */
 typedef struct UnionPiece {
     PieceEnd ends[2];
-    double balls[2];      /* radii of balls at the ends, which touch the sides of what meets there from within */
+    /* radii of balls at the ends, which touch the sides of what meets there from within; below 0: the next piece has it */
+    double balls[2];
     bool near_flat[2];    /* a flat end of the whole path, the first or the last, is so near that it cuts these balls */
     Vec3 along;           /* of length 1 */
     double slope, cosine; /* change of the radius per length; of the angle between side and axis */
@@ -153,7 +151,7 @@ static bool union_bounds(void *context, Box3 box, double *low, double *high)
     BoxCellsRange range = box_cells_range(&all->cells, box);
     *low = depth_at(all, middle).value - reach;
     *high = -all->margin;
-    if (range.n > MOST_CELLS_OF_BLOCK) *high = HUGE_VAL;
+    if (range.n > MOST_LOOKED_UP) *high = HUGE_VAL;
     const uint32_t *items;
     for (uint32_t n; *high < HUGE_VAL && box_cells_next(&all->cells, &range, &items, &n);)
         for (uint32_t i = 0; i < n; i++) {
@@ -214,11 +212,9 @@ static void set_piece(const SweepUnion *all, const SweepShape *shape, const Stat
     piece->ends[0] = (PieceEnd){a->at, begin, a->scale, kind_of_end(shape, a, i == 0)};
     piece->ends[1] = (PieceEnd){b->at, vec3_scale(last, -1), b->scale, kind_of_end(shape, b, i + 1 == all->n_pieces)};
     for (size_t k = 0; k < 2; k++) {
-        bool is_round = piece->ends[k].kind == END_ROUND;
-        bool next_has_it = k == 1 && i + 1 < all->n_pieces;
-        piece->balls[k] =
-            next_has_it ? 0
-                        : a[k].scale * (is_round ? 1 : cosine_at(stations, all->n_pieces + 1, shape->closed, i + k));
+        bool is_round = piece->ends[k].kind == END_ROUND, next_has_it = k == 1 && i + 1 < all->n_pieces;
+        double cosine = is_round ? 1 : cosine_at(stations, all->n_pieces + 1, shape->closed, i + k);
+        piece->balls[k] = next_has_it ? -HUGE_VAL : a[k].scale * cosine;
     }
     bool flat = !shape->closed && !shape->round_ends;
     piece->near_flat[0] = flat && a->along < 2 * fmax(a->scale, b->scale);
