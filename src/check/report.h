@@ -33,7 +33,9 @@ void report_mesh_materials(const CompiledScene *compiled, Diag *diag);
 ATTR_NODISCARD Status report_mesh_crossings(const CompiledScene *compiled, Pool *pool, Diag *diag, Error *error);
 /* And remarks: what is as likely meant as not, such as sizes that do not go together. Call it after the warnings. */
 void report_remarks(const CompiledScene *compiled, Diag *diag);
-/* And of these, the one on a camera, a row of the scene's, that has no object before it. */
+/* And of these, those on overlapping objects of which only their volumes say which is on top, as no state does. */
+void report_order_by_volume(const CompiledScene *compiled, Diag *diag);
+/* And the one on a camera, a row of the scene's, that has no object before it. */
 void report_empty_view(const CompiledScene *compiled, uint32_t camera, Diag *diag);
 /* And the one on a camera that is inside of an opaque object, or a part of whose picture plane is. */
 void report_covered_camera(const CompiledScene *compiled, uint32_t camera, Diag *diag);

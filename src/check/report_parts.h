@@ -49,6 +49,9 @@ typedef struct ReportVerdict {
     uint32_t top, bottom; /* hulls */
 } ReportVerdict;
 ReportVerdict report_verdict(const CompiledScene *compiled, const HullPair *pair);
+/* By how much of the larger one their volumes differ. What is closer may be turned over by a small change. */
+#define REPORT_CLOSE_VOLUMES 0.05
+double report_volumes_differ(const CompiledScene *compiled, const ReportVerdict *verdict);
 /* Whether a medium that mixes is there where another one is on top. */
 bool report_adds(const Scene *scene, uint32_t mixing, uint32_t owner);
 

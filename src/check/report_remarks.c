@@ -58,13 +58,6 @@ static bool is_one_of_many(const Remarks *r, uint32_t hull)
 
 /* ---- the order ---- */
 
-static const double close_volumes = 0.05; /* of the larger one */
-
-static double volumes_differ(const Remarks *r, const ReportVerdict *verdict)
-{
-    return 1 - r->compiled->hulls[verdict->top].volume / r->compiled->hulls[verdict->bottom].volume;
-}
-
 static void remark_close_order(Remarks *r)
 {
     Tally tally = {.code = D_CLOSE_ORDER};
@@ -76,8 +69,8 @@ static void remark_close_order(Remarks *r)
         const SceneObject *bottom = report_object(r->compiled, verdict.bottom);
         if (verdict.kind != VERDICT_RULE) continue;
         if (!isfinite(r->compiled->hulls[verdict.bottom].volume)) continue;
-        double difference = volumes_differ(r, &verdict);
-        bool by_volume = verdict.rule == NEST_BY_VOLUME && difference < close_volumes;
+        double difference = report_volumes_differ(r->compiled, &verdict);
+        bool by_volume = verdict.rule == NEST_BY_VOLUME && difference < REPORT_CLOSE_VOLUMES;
         if ((!by_volume && verdict.rule != NEST_BY_DECLARATION) || !tally_next(&tally)) continue;
         Diagnostic *report =
             by_volume ? diag_report(r->diag, D_CLOSE_ORDER, top->span,
@@ -89,39 +82,6 @@ static void remark_close_order(Remarks *r)
         diag_hint(r->diag, report, "give the one that is meant to be on top a larger priority");
     }
     tally_end(r, &tally);
-}
-
-static const SceneMedium *medium_of_hull(const Remarks *r, uint32_t hull)
-{
-    return &r->scene->media[r->compiled->hulls[hull].medium];
-}
-
-/* Where a drink overlaps its glass, and no state says that one is solid, a fuller glass has another order. Of two media once. */
-static void remark_order_by_volume(Remarks *r)
-{
-    uint32_t tops[REPORT_MOST], bottoms[REPORT_MOST], n = 0;
-    for (size_t i = 0; i < r->compiled->n_pairs && n < REPORT_MOST; i++) {
-        const HullPair *pair = &r->compiled->pairs[i];
-        if (!pair->overlaps || pair->relation != NEST_PARTIAL) continue;
-        ReportVerdict verdict = report_verdict(r->compiled, pair);
-        if (verdict.kind != VERDICT_RULE || verdict.rule != NEST_BY_VOLUME) continue;
-        const NestHull *top = &r->compiled->hulls[verdict.top], *bottom = &r->compiled->hulls[verdict.bottom];
-        if (top->state != NEST_STATE_UNKNOWN && bottom->state != NEST_STATE_UNKNOWN) continue;
-        uint32_t known = 0;
-        while (known < n && (tops[known] != top->medium || bottoms[known] != bottom->medium)) known++;
-        if (known < n || !isfinite(bottom->volume) || volumes_differ(r, &verdict) < close_volumes) continue;
-        tops[n] = top->medium;
-        bottoms[n++] = bottom->medium;
-        const SceneObject *upper = report_object(r->compiled, verdict.top),
-                          *lower = report_object(r->compiled, verdict.bottom);
-        Diagnostic *report = diag_report(
-            r->diag, D_ORDER_BY_VOLUME, upper->span,
-            "%s is on top of %s only because it has less volume: no state says which of %s "
-            "and %s is solid",
-            upper->name, lower->name, medium_of_hull(r, verdict.top)->name, medium_of_hull(r, verdict.bottom)->name);
-        diag_note(r->diag, report, lower->span, "%s is here", lower->name);
-        diag_hint(r->diag, report, "write state = solid or state = liquid in both media, or a priority");
-    }
 }
 
 /* What coordinates tell apart at the corner of a box that is farthest out. */
@@ -728,7 +688,7 @@ void report_remarks(const CompiledScene *compiled, Diag *diag)
     bool ready = find_bounds(&r) && probe_init(&r.probe, compiled, NULL) == STATUS_OK && grouped;
     if (ready) {
         remark_close_order(&r);
-        remark_order_by_volume(&r);
+        report_order_by_volume(compiled, diag);
         remark_near_coincidence(&r);
         remark_indifferent(&r);
         remark_mostly_hidden(&r);

@@ -238,6 +238,7 @@ static void warn_of_losses(void *context)
     report_small_volumes(run->input.compiled, &run->input.diag);
     report_nested_parts(run->input.compiled, &run->input.diag);
     if (!run->talk->quiet) {
+        report_order_by_volume(run->input.compiled, &run->input.diag);
         report_many_scatterings(run->input.compiled, many_scatterings, &run->input.diag);
         report_coarse_places(run->input.compiled, &run->input.diag);
         if (!run->plan.numbered) report_empty_view(run->input.compiled, run->settings.camera, &run->input.diag);

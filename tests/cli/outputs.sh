@@ -240,6 +240,22 @@ while read -r line; do printf '%s\n' "$line" > line; is_json line; done < err
 says err '"event": "done"'
 end
 
+begin "render says where nothing but volumes says which is on top"
+cat > drink.mns <<'SCENE'
+meniscus 1.0 unit cm
+medium glass { ior = 1.5 }
+medium wine { ior = 1.33 }
+cylinder { from = <0, 0, 0>  to = <0, 9, 0>  radius = 4  interior = glass }
+cylinder { from = <0, 8, 0>  to = <0, 10, 0>  radius = 3  interior = wine }
+environment { color = 1 }
+camera { from = <0, 12, 30>  to = <0, 4, 0> }
+SCENE
+run render drink.mns -o a.exr -s 1 --size 4x3
+says err order-by-volume
+run render drink.mns -o a.exr -s 1 --size 4x3 --set wine.state=liquid --set glass.state=solid
+says_not err order-by-volume
+end
+
 begin "what is scattered crosses no surface, and render says where that takes very long"
 cat > milk.mns <<'SCENE'
 meniscus 1.0 unit cm
