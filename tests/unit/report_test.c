@@ -324,11 +324,6 @@ static void remarks_are_not_made_of_what_is_meant(void **state)
         GLASS
         "box a { interior = glass size = <10, 10, 1> } box b { interior = glass from = <-5, -5, -4> to = <5, -4, 4> } "
         "sphere c { interior = air radius = .2 }" VIEW,
-        /* combinations have the volume that they enclose, here eight times that of what is on top, and half of it */
-        TWO_MEDIA "box a { interior = glass size = <10, 10, 10> } difference b { interior = water "
-                  "box { from = <0, 0, 0> to = <20, 20, 20> } box { from = <18, 18, 18> to = <19, 19, 19> } }" VIEW,
-        TWO_MEDIA "union a { interior = glass box { size = <10, 10, 10> } sphere { radius = 5 } } "
-                  "box b { interior = water from = <0, 0, 0> to = <10, 10, 20> }" VIEW,
         /* part of the inner one shows; a lens on a ground; an opaque stone in glass */
         GLASS "sphere a { interior = glass radius = 4 } sphere b { interior = glass center = <4, 0, 0> } "
               "ground { y = -4 surface = surface { } } sphere c { radius = .5 surface = surface { } }"
@@ -350,6 +345,26 @@ static void remarks_are_not_made_of_what_is_meant(void **state)
             fixture_print(&f);
             fail_msg("remarks on %s", scenes[i]);
         }
+        fixture_clear(&f);
+    }
+}
+
+/* Combinations have the volume that they enclose, here eight times that of what is on top, and half of it: not nearly the same. */
+static void volumes_of_combinations_are_not_close(void **state)
+{
+    (void)state;
+    static const char *const scenes[] = {
+        TWO_MEDIA "box a { interior = glass size = <10, 10, 10> } difference b { interior = water "
+                  "box { from = <0, 0, 0> to = <20, 20, 20> } box { from = <18, 18, 18> to = <19, 19, 19> } }" VIEW,
+        TWO_MEDIA "union a { interior = glass box { size = <10, 10, 10> } sphere { radius = 5 } } "
+                  "box b { interior = water from = <0, 0, 0> to = <10, 10, 20> }" VIEW,
+    };
+    for (size_t i = 0; i < COUNT_OF(scenes); i++) {
+        Fixture f;
+        fixture_compile(&f, scenes[i], 1);
+        report_remarks(f.compiled, &f.diag);
+        assert_int_equal(f.diag.n_remarks, 1);
+        assert_non_null(fixture_find(&f, D_ORDER_BY_VOLUME));
         fixture_clear(&f);
     }
 }
@@ -607,6 +622,7 @@ int main(void)
         cmocka_unit_test(remarks_tell_what_is_worth_a_look),
         cmocka_unit_test(paint_is_seen),
         cmocka_unit_test(remarks_are_not_made_of_what_is_meant),
+        cmocka_unit_test(volumes_of_combinations_are_not_close),
         cmocka_unit_test(enclosed_things_are_proved),
         cmocka_unit_test(what_may_be_seen_is_not_enclosed),
         cmocka_unit_test(cameras_see_what_they_are_in),
