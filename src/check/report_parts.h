@@ -91,9 +91,6 @@ void report_sunken(const CompiledScene *compiled, Diag *diag);
 /* Remarks on portals that glass closes. */
 void report_portals(const CompiledScene *compiled, Diag *diag);
 
-/* How often light is scattered in a body before it has left or is absorbed, of the wavelength of which that is most; chord: the mean
- * length of lines through it, INFINITY where it has no end. Of a medium that is the same everywhere. */
-double report_count_scatterings(const SceneMedium *medium, double chord);
 /* Number i of n directions that are even over those whose y is least_y or more. */
 Vec3 report_direction(int i, int n, double least_y);
 

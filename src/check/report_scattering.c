@@ -16,9 +16,11 @@ static double mean_chord(double volume, const Box3 *box)
     return 4 * volume / fmax(of_ball, of_box * fmax(volume / (d.x * d.y * d.z), 0.5));
 }
 
-/* What comes in evenly goes 4 V / S in there on the mean, however often it is scattered (S. Blanco, R. Fournier, "An Invariance Property of
- * Diffusive Random Walks", Europhysics Letters 61(2) (2003)). */
-double report_count_scatterings(const SceneMedium *medium, double chord)
+/* How often light is scattered in a body before it has left or is absorbed, of the wavelength of which that is most; chord: the mean
+ * length of lines through it, INFINITY where it has no end. Of a medium that is the same everywhere. What comes in evenly goes
+ * 4 V / S in there on the mean, however often it is scattered (S. Blanco, R. Fournier, "An Invariance Property of Diffusive Random
+ * Walks", Europhysics Letters 61(2) (2003)). */
+static double count_scatterings(const SceneMedium *medium, double chord)
 {
     const float wavelengths[] = {450, 500, 550, 600, 650};
     double most = 0;
@@ -67,8 +69,7 @@ void report_endless(const CompiledScene *compiled, Diag *diag)
     for (uint32_t i = 0; i < scene->n_media; i++) {
         const SceneMedium *medium = &scene->media[i];
         if (!scene->n_cameras || !medium->scatters || medium->density || !is_unbounded(compiled, i) ||
-            !(report_count_scatterings(medium, (double)INFINITY) > many) ||
-            !is_open(compiled, scene->cameras[0].from, i))
+            !(count_scatterings(medium, (double)INFINITY) > many) || !is_open(compiled, scene->cameras[0].from, i))
             continue;
         Diagnostic *report = diag_report(diag, D_ENDLESS_SCATTERING, medium->span,
                                          "%s scatters light, has no end, and %s: paths wander in it for very long",
@@ -164,7 +165,7 @@ void report_many_scatterings(const CompiledScene *compiled, double least, Diag *
             continue;
         double squared = index_squared(compiled->scene, medium), from_camera = way_of_cameras(compiled, h, medium);
         double way = mean_chord(volume, &compiled->hull_bounds[h]);
-        double n = report_count_scatterings(medium, fmax(way, from_camera) * squared);
+        double n = count_scatterings(medium, fmax(way, from_camera) * squared);
         if (n >= least && ++n_found <= REPORT_MOST) report_many(compiled, h, n, from_camera > way, diag);
     }
     if (n_found > REPORT_MOST)

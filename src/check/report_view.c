@@ -5,8 +5,8 @@
 #include "check/report_parts.h"
 
 /* Whether a box is wholly beyond one of the planes around what a camera shows: before the camera, and between the sides of its film,
- * or a little outside of these. */
-static bool is_out_of_view(const SceneCamera *camera, const SceneFilm *film, Box3 box)
+ * or a little outside of these. *behind: whether it is the first of these. */
+static bool is_out_of_view(const SceneCamera *camera, const SceneFilm *film, Box3 box, bool *behind)
 {
     const double slack = 1.1,
                  sides[2] = {slack * camera->half_width, slack * camera->half_width * film->height / film->width};
@@ -24,17 +24,10 @@ static bool is_out_of_view(const SceneCamera *camera, const SceneFilm *film, Box
         n_beyond[3] += up > sides[1] * reach;
         n_beyond[4] += -up > sides[1] * reach;
     }
+    *behind = n_beyond[0] == 8;
     for (int i = 0; i < 5; i++)
         if (n_beyond[i] == 8) return true;
     return false;
-}
-
-static bool is_behind(const SceneCamera *camera, Box3 box)
-{
-    Vec3 f = camera->forward;
-    Vec3 foremost =
-        vec3(f.x > 0 ? box.max.x : box.min.x, f.y > 0 ? box.max.y : box.min.y, f.z > 0 ? box.max.z : box.min.z);
-    return vec3_dot(vec3_sub(foremost, camera->from), f) <= 0;
 }
 
 void report_empty_view(const CompiledScene *compiled, uint32_t number, Diag *diag)
@@ -54,8 +47,9 @@ void report_empty_view(const CompiledScene *compiled, uint32_t number, Diag *dia
         if (box3_is_empty(box)) continue;
         endless |= box3_is_unbounded(box);
         if (box3_is_unbounded(box)) continue;
-        if (!is_out_of_view(camera, &scene->film, box)) return;
-        all_behind = all_behind && is_behind(camera, box);
+        bool behind;
+        if (!is_out_of_view(camera, &scene->film, box, &behind)) return;
+        all_behind = all_behind && behind;
         double away = vec3_length(vec3_sub(box3_centre(box), camera->from));
         if (away >= distance) continue;
         distance = away;

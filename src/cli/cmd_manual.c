@@ -277,29 +277,28 @@ static void print_diagnostics(DiagSeverity severity, Buf *out)
     buf_add(out, ".El\n");
 }
 
-static int compare_words(const void *left, const void *right)
+static int compare_habits(const void *left, const void *right)
 {
-    const char *const *a = left, *const *b = right;
-    return strcmp(*a, *b);
+    const HabitRow *a = left, *b = right;
+    return strcmp(a->words, b->words);
 }
 
 /* What messages say of POV-Ray's blocks. */
 static Status print_habits(Buf *out, Error *error)
 {
-    size_t n = habit_n_blocks();
-    const char **words = malloc(n * sizeof *words);
-    if (!words) return fail_memory(error, n * sizeof *words, "words of POV-Ray");
-    for (size_t i = 0; i < n; i++) words[i] = habit_block_word(i);
-    qsort(words, n, sizeof *words, compare_words);
+    size_t n;
+    const HabitRow *blocks = habit_blocks(&n);
+    HabitRow *sorted = malloc(n * sizeof *sorted);
+    if (!sorted) return fail_memory(error, n * sizeof *sorted, "words of POV-Ray");
+    memcpy(sorted, blocks, n * sizeof *sorted);
+    qsort(sorted, n, sizeof *sorted, compare_habits);
     buf_add(out, ".Bl -tag -width Ds -compact\n");
     for (size_t i = 0; i < n; i++) {
-        char first[64] = "";
-        snprintf(first, sizeof first, "%.*s", (int)strcspn(words[i], " "), words[i]);
-        buf_format(out, ".It Li %s\n", words[i]);
-        mdoc_sentence(out, habit_block(first));
+        buf_format(out, ".It Li %s\n", sorted[i].words);
+        mdoc_sentence(out, sorted[i].text);
     }
     buf_add(out, ".El\n");
-    free(words);
+    free(sorted);
     return STATUS_OK;
 }
 

@@ -29,10 +29,6 @@
 #define HABIT_MEASURE(node, property, unit, text)
 #define HABIT_FILE(beginnings, text)
 
-typedef struct WordRow {
-    const char *word, *text;
-} WordRow;
-
 static const struct {
     const char *word;
     DirectiveForm form;
@@ -45,7 +41,7 @@ static const struct {
 #define HABIT_DIRECTIVE(word, form, pattern)
 };
 
-static const WordRow value_rows[] = {
+static const HabitRow value_rows[] = {
 #undef HABIT_VALUES
 #define HABIT_VALUES(node, names) {#node, names},
 #include "lang/habits.def"
@@ -53,7 +49,7 @@ static const WordRow value_rows[] = {
 #define HABIT_VALUES(node, names)
 };
 
-static const WordRow block_rows[] = {
+static const HabitRow block_rows[] = {
 #undef HABIT_BLOCK
 #define HABIT_BLOCK(words, text) {words, text},
 #include "lang/habit_nodes.def"
@@ -61,7 +57,7 @@ static const WordRow block_rows[] = {
 #define HABIT_BLOCK(words, text)
 };
 
-static const WordRow node_rows[] = {
+static const HabitRow node_rows[] = {
 #undef HABIT_NODE
 #define HABIT_NODE(words, text) {words, text},
 #include "lang/habit_nodes.def"
@@ -82,7 +78,7 @@ static const NodeRow setting_rows[] = {
 #define HABIT_SETTING(node, word, pattern)
 };
 
-static const WordRow type_rows[] = {
+static const HabitRow type_rows[] = {
 #undef HABIT_TYPE
 #define HABIT_TYPE(word) {#word, #word},
 #include "lang/habits.def"
@@ -90,7 +86,7 @@ static const WordRow type_rows[] = {
 #define HABIT_TYPE(word)
 };
 
-static const WordRow function_rows[] = {
+static const HabitRow function_rows[] = {
 #undef HABIT_FUNCTION
 #define HABIT_FUNCTION(word) {#word, #word},
 #include "lang/habits.def"
@@ -98,7 +94,7 @@ static const WordRow function_rows[] = {
 #define HABIT_FUNCTION(word)
 };
 
-static const WordRow import_rows[] = {
+static const HabitRow import_rows[] = {
 #undef HABIT_IMPORT
 #define HABIT_IMPORT(word) {#word, #word},
 #include "lang/habits.def"
@@ -106,7 +102,7 @@ static const WordRow import_rows[] = {
 #define HABIT_IMPORT(word)
 };
 
-static const WordRow holder_rows[] = {
+static const HabitRow holder_rows[] = {
 #undef HABIT_HOLDS
 #define HABIT_HOLDS(node) {#node, #node},
 #include "lang/habits.def"
@@ -114,7 +110,7 @@ static const WordRow holder_rows[] = {
 #define HABIT_HOLDS(node)
 };
 
-static const WordRow statement_rows[] = {
+static const HabitRow statement_rows[] = {
 #undef HABIT_STATEMENT
 #define HABIT_STATEMENT(word, text) {#word, text},
 #include "lang/habits.def"
@@ -122,7 +118,7 @@ static const WordRow statement_rows[] = {
 #define HABIT_STATEMENT(word, text)
 };
 
-static const WordRow word_rows[] = {
+static const HabitRow word_rows[] = {
 #undef HABIT_WORD
 #define HABIT_WORD(word, text) {#word, text},
 #include "lang/habit_words.def"
@@ -130,7 +126,7 @@ static const WordRow word_rows[] = {
 #define HABIT_WORD(word, text)
 };
 
-static const WordRow prefix_rows[] = {
+static const HabitRow prefix_rows[] = {
 #undef HABIT_PREFIX
 #define HABIT_PREFIX(beginning, text) {beginning, text},
 #include "lang/habit_words.def"
@@ -188,7 +184,7 @@ static const NodeRow pattern_rows[] = {
 #define HABIT_PATTERN(node, property, text)
 };
 
-static const WordRow file_rows[] = {
+static const HabitRow file_rows[] = {
 #undef HABIT_FILE
 #define HABIT_FILE(beginnings, text) {beginnings, text},
 #include "lang/habits.def"
@@ -220,7 +216,7 @@ static const struct {
 #define HABIT_UNLIKELY(node, property, from, to, what, text)
 };
 
-static const WordRow unit_rows[] = {
+static const HabitRow unit_rows[] = {
 #undef HABIT_UNIT
 #define HABIT_UNIT(word, unit) {#word, #unit},
 #include "lang/habits.def"
@@ -237,10 +233,10 @@ bool habit_is_one_of(const char *words, const char *word)
     return false;
 }
 
-static const char *find(const WordRow *rows, size_t n, const char *word)
+static const char *find(const HabitRow *rows, size_t n, const char *word)
 {
     for (size_t i = 0; i < n; i++)
-        if (habit_is_one_of(rows[i].word, word)) return rows[i].text;
+        if (habit_is_one_of(rows[i].words, word)) return rows[i].text;
     return NULL;
 }
 
@@ -275,13 +271,10 @@ const char *habit_block(const char *word)
 {
     return find(block_rows, COUNT_OF(block_rows), word);
 }
-size_t habit_n_blocks(void)
+const HabitRow *habit_blocks(size_t *n)
 {
-    return COUNT_OF(block_rows);
-}
-const char *habit_block_word(size_t i)
-{
-    return block_rows[i].word;
+    *n = COUNT_OF(block_rows);
+    return block_rows;
 }
 const char *habit_node(const char *word)
 {
@@ -301,7 +294,7 @@ const char *habit_word(const char *word)
 {
     const char *text = find(word_rows, COUNT_OF(word_rows), word);
     for (size_t i = 0; !text && i < COUNT_OF(prefix_rows); i++)
-        if (strncmp(word, prefix_rows[i].word, strlen(prefix_rows[i].word)) == 0) text = prefix_rows[i].text;
+        if (strncmp(word, prefix_rows[i].words, strlen(prefix_rows[i].words)) == 0) text = prefix_rows[i].text;
     return text;
 }
 const char *habit_export(const char *file, const char *word)
@@ -376,7 +369,7 @@ const char *habit_pattern(const char *node, const char *property)
 const char *habit_file(const char *text)
 {
     for (size_t i = 0; i < COUNT_OF(file_rows); i++)
-        for (const char *at = file_rows[i].word; *at; at += strspn(at, " ")) {
+        for (const char *at = file_rows[i].words; *at; at += strspn(at, " ")) {
             size_t n = strcspn(at, " ");
             bool whole =
                 strncmp(text, at, n) == 0 && (strchr(" \t\r\n\"", text[n]) || strchr("<{", *at)); /* or the 0 */

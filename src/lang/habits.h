@@ -19,6 +19,11 @@ typedef enum DirectiveForm {
     DIRECTIVE_LINE /* nothing that matters behind it */
 } DirectiveForm;
 
+/* Words, which have blanks between them, and what is said of them. */
+typedef struct HabitRow {
+    const char *words, *text;
+} HabitRow;
+
 /* Is the word one of those, which have blanks between them? */
 bool habit_is_one_of(const char *words, const char *word);
 /* Word is length bytes, without its '#'; DIRECTIVE_NONE when POV-Ray has none of that name. */
@@ -26,9 +31,8 @@ DirectiveForm habit_directive(const char *word, size_t length);
 /* The rest answer NULL for words that they do not know. */
 const char *habit_directive_pattern(const char *word);
 const char *habit_values(const char *node);
-const char *habit_block(const char *word); /* POV-Ray's */
-size_t habit_n_blocks(void);
-const char *habit_block_word(size_t i);                        /* the words of it, i < habit_n_blocks() */
+const char *habit_block(const char *word);                     /* POV-Ray's */
+const HabitRow *habit_blocks(size_t *n);                       /* all of them */
 const char *habit_node(const char *word);                      /* the same and those of others */
 const char *habit_setting(const char *node, const char *word); /* node: NULL at the top */
 const char *habit_word(const char *word);

@@ -106,12 +106,6 @@ static Box3 build(Tree *tree, Node node)
 
 /* ---- pairs ---- */
 
-static bool meet(const Box3 *a, const Box3 *b)
-{
-    return a->min.x <= b->max.x && b->min.x <= a->max.x && a->min.y <= b->max.y && b->min.y <= a->max.y &&
-           a->min.z <= b->max.z && b->min.z <= a->max.z;
-}
-
 static Status visit_items(const Tree *tree, uint32_t i, uint32_t k)
 {
     uint32_t a = tree->items[i].number, b = tree->items[k].number;
@@ -126,7 +120,7 @@ static Status pairs_of_leaves(const Tree *tree, const Node *a, const Node *b)
     for (uint32_t i = a->begin; i < a->end; i++) {
         Box3 box = tree->box_at(tree->context, tree->items[i].number);
         for (uint32_t k = a->number == b->number ? i + 1 : b->begin; k < b->end; k++)
-            if (meet(&box, &boxes[k - b->begin])) TRY(visit_items(tree, i, k));
+            if (box3_meets(box, boxes[k - b->begin])) TRY(visit_items(tree, i, k));
     }
     return STATUS_OK;
 }
@@ -134,7 +128,7 @@ static Status pairs_of_leaves(const Tree *tree, const Node *a, const Node *b)
 /* Pairs of one box in a and one in b, which are of one level and have no box in common. */
 static Status pairs_between(const Tree *tree, Node a, Node b)
 {
-    if (!meet(&tree->nodes[a.number], &tree->nodes[b.number])) return STATUS_OK;
+    if (!box3_meets(tree->nodes[a.number], tree->nodes[b.number])) return STATUS_OK;
     if (a.level == tree->depth) return pairs_of_leaves(tree, &a, &b);
     for (uint32_t i = 0; i < 4; i++) TRY(pairs_between(tree, child_of(&a, i / 2), child_of(&b, i % 2)));
     return STATUS_OK;
