@@ -67,6 +67,19 @@ static void describe(const MergeRun *run, Described *described)
     }
 }
 
+/* What the slices say of how the picture is shown, and what options say instead. */
+static ColorLook look_of(const MergeRun *run)
+{
+    const CheckpointNotes *notes = &run->merge.parts[0].notes;
+    ColorLook own = {.stops = 0};
+    for (uint32_t i = 0; i < notes->n_attributes; i++) {
+        const ImageAttribute *attribute = &notes->attributes[i];
+        double value = attribute->type == ATTRIBUTE_FLOAT ? attribute->number : attribute->whole;
+        output_find_look(&own, attribute->name, value);
+    }
+    return output_look(run->options, &own);
+}
+
 static Status write_outputs(const MergeRun *run, Error *error)
 {
     Described described;
@@ -74,13 +87,7 @@ static Status write_outputs(const MergeRun *run, Error *error)
     unsigned half = run->options->values[OPTION_HALF].place, full = run->options->values[OPTION_FLOAT].place;
     ExrOptions exr = {
         .half = half > full, .attributes = described.items, .n_attributes = described.n, .pool = run->pool};
-    ColorLook own = {.stops = 0};
-    for (size_t i = 0; i < described.n; i++) {
-        const ImageAttribute *attribute = &described.items[i];
-        double value = attribute->type == ATTRIBUTE_FLOAT ? attribute->number : attribute->whole;
-        output_find_look(&own, attribute->name, value);
-    }
-    ColorLook look = output_look(run->options, &own);
+    const ColorLook look = look_of(run);
     bool displayed = false;
     for (size_t i = 0; i < run->n_outputs; i++) {
         TRY(output_write(&run->outputs[i], &run->image, &exr, run->color.config, &look, error));
@@ -125,7 +132,9 @@ static Status merge(MergeRun *run, Error *error)
     TRY(merge_open(options->operands, options->n_operands, &run->merge, error));
     TRY(pool_new(options->values[OPTION_THREADS].whole[0], &run->pool, error));
     TRY(merge_read(&run->merge, &run->state, error));
-    TRY(render_state_resolve(&run->state, run->pool, &run->image, &run->stats, error));
+    const ColorLook look = look_of(run);
+    const Exposure exposure = {look.stops, look.automatic};
+    TRY(render_state_resolve(&run->state, exposure, run->pool, &run->image, &run->stats, error));
     TRY(write_outputs(run, error));
     summarize(run);
     error->text[0] = 0;

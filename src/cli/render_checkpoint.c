@@ -249,7 +249,7 @@ static void write_snapshot(RenderRun *run)
         if (!run->talk->quiet) talk_event(run->talk, "snapshot", "there is no sample yet: nothing was written");
         return;
     }
-    Status status = render_state_resolve(&run->state, run->pool, &run->image, &stats, &error);
+    Status status = render_state_resolve(&run->state, run->settings.exposure, run->pool, &run->image, &stats, &error);
     run->stats = stats;
     run->noise = stats.noise;
     if (status == STATUS_OK) status = render_write_outputs(run, true, &error);

@@ -8,8 +8,6 @@
 #include "render/around.h"
 #include "render/evenness.h"
 
-/* Luminances below this, a tenth of white, count as this where errors are set in relation to them. */
-#define DARK 0.1
 /* How far neighbours are asked, in pixels: for the luminance; those close by, so that what is thin is seen; more around, so
  * that what is rare is, of which two answers the worse counts; and how the error of a mean compares with the deviation of
  * its samples, which are spread evenly and may be anything but normal. */
@@ -27,15 +25,31 @@ enum { LEAST_PART = 4, AHEAD = 4, GROWTH = 2, LAST_PART = 32 };
 #define POWER_OF_ERROR 0.8
 #define POWER_OF_COST 0.5
 
-static double relative(double error, double luminance)
+/* dark: see adapt_dark */
+static double relative(double error, double luminance, double dark)
 {
-    return error / sqrt(luminance * luminance + DARK * DARK);
+    return error / sqrt(luminance * luminance + dark * dark);
 }
 
 static double pixel_luminance(const Film *film, uint32_t x, uint32_t y)
 {
     const FilmPixel *pixel = film_pixel(film, x, y);
     return pixel->n ? (double)pixel->luminance * FILM_UNIT / pixel->n : 0;
+}
+
+double adapt_dark(const Brightness *brightness, Exposure exposure)
+{
+    return 0.1 * brightness_white(brightness, &exposure);
+}
+
+/* Of the picture that these pixels are so far. */
+static double dark_of(const Film *film, const uint32_t crop[4], Exposure exposure)
+{
+    Brightness brightness = {0};
+    for (uint32_t y = crop[1]; exposure.automatic && y < crop[3]; y++)
+        for (uint32_t x = crop[0]; x < crop[2]; x++)
+            if (film_alpha(film_pixel(film, x, y)) > 0) brightness_note(&brightness, pixel_luminance(film, x, y));
+    return adapt_dark(&brightness, exposure);
 }
 
 /* Of the pixels around one, not of itself: a firefly would else be small in relation to the light that it brings. */
@@ -82,6 +96,7 @@ typedef struct Judgement {
     const Spread *spread; /* NULL: none */
     const Evenness *evenness;
     const uint32_t *crop;
+    double dark;
     double *sums; /* of the noise, of each row */
 } Judgement;
 
@@ -94,12 +109,12 @@ static void judge_row(void *context, uint32_t row, unsigned worker)
     for (uint32_t x = j->crop[0]; x < j->crop[2]; x++) {
         double error = pixel_error(j->film, j->evenness, x, y) / sqrt(film_pixel(j->film, x, y)->n);
         if (j->spread) error = error_after(error, j->spread, x, y);
-        sum += relative(error, luminance_around(j->film, j->crop, x, y));
+        sum += relative(error, luminance_around(j->film, j->crop, x, y), j->dark);
     }
     j->sums[row] = sum;
 }
 
-double adapt_noise(const Film *film, const Spread *spread, const uint32_t crop[4], Pool *pool)
+double adapt_noise(const Film *film, const Spread *spread, const uint32_t crop[4], Exposure exposure, Pool *pool)
 {
     Evenness evenness;
     Error unused; /* the picture is not to suffer */
@@ -110,7 +125,7 @@ double adapt_noise(const Film *film, const Spread *spread, const uint32_t crop[4
         free(sums);
         return -1;
     }
-    Judgement judgement = {film, spread, &evenness, crop, sums};
+    Judgement judgement = {film, spread, &evenness, crop, dark_of(film, crop, exposure), sums};
     pool_run(pool, height, judge_row, &judgement);
     for (uint32_t row = 0; row < height; row++) sum += sums[row];
     evenness_clear(&evenness);
@@ -119,9 +134,9 @@ double adapt_noise(const Film *film, const Spread *spread, const uint32_t crop[4
     return n ? sum / (double)n : -1;
 }
 
-Status adapt_init(Adapt *adapt, const uint32_t crop[4], Error *error)
+Status adapt_init(Adapt *adapt, const uint32_t crop[4], Exposure exposure, Error *error)
 {
-    *adapt = (Adapt){.crop = {crop[0], crop[1], crop[2], crop[3]}};
+    *adapt = (Adapt){.crop = {crop[0], crop[1], crop[2], crop[3]}, .exposure = exposure};
     size_t n = (size_t)(crop[2] - crop[0]) * (crop[3] - crop[1]);
     adapt->wanted = calloc(n, sizeof *adapt->wanted);
     bool ready = adapt->wanted != NULL;
@@ -202,12 +217,13 @@ Status adapt_plan(Adapt *adapt, const Film *film, double noise, uint32_t most, P
 {
     AdaptPlan plan = {0};
     TRY(make_maps(adapt, film, NEAR, WIDE, pool, error));
+    const double dark = dark_of(film, adapt->crop, adapt->exposure);
     size_t i = 0;
     for (uint32_t y = adapt->crop[1]; y < adapt->crop[3]; y++)
         for (uint32_t x = adapt->crop[0]; x < adapt->crop[2]; x++, i++) {
             uint32_t n = film_pixel(film, x, y)->n;
             double one = (double)adapt->maps[ADAPT_ERROR][i], luminance = (double)adapt->maps[ADAPT_LUMINANCE][i];
-            double enough = pow(relative(one, luminance) / noise, 2);
+            double enough = pow(relative(one, luminance, dark) / noise, 2);
             adapt->wanted[i] = n;
             plan.unmet += n >= most && enough > n;
             if (n >= most) continue;
@@ -266,6 +282,7 @@ static void find_need(Adapt *adapt, const Film *film, Pool *pool)
 {
     uint32_t width = adapt->crop[2] - adapt->crop[0], height = adapt->crop[3] - adapt->crop[1];
     float **maps = adapt->maps, *cost = maps[ADAPT_FAR_ERROR];
+    const double dark = dark_of(film, adapt->crop, adapt->exposure);
     size_t i = 0;
     for (uint32_t y = adapt->crop[1]; y < adapt->crop[3]; y++)
         for (uint32_t x = adapt->crop[0]; x < adapt->crop[2]; x++, i++) {
@@ -274,7 +291,7 @@ static void find_need(Adapt *adapt, const Film *film, Pool *pool)
         }
     mean_around(maps[ADAPT_DEVIATION], width, height, NEXT, maps[ADAPT_SCRATCH], cost, pool);
     for (size_t j = 0; j < i; j++) {
-        double error = relative((double)maps[ADAPT_ERROR][j], (double)maps[ADAPT_LUMINANCE][j]);
+        double error = relative((double)maps[ADAPT_ERROR][j], (double)maps[ADAPT_LUMINANCE][j], dark);
         maps[ADAPT_NEAR][j] =
             (float)(pow(error, POWER_OF_ERROR) / pow(fmax((double)cost[j], 0) + COST_OF_PATH, POWER_OF_COST));
     }

@@ -6,7 +6,7 @@
 
 #include "base/luminance.h"
 
-static void note_luminance(Brightness *brightness, double luminance)
+void brightness_note(Brightness *brightness, double luminance)
 {
     double band = luminance > 0 ? floor(BRIGHTNESS_BANDS_OF_STOP * (log2(luminance) + BRIGHTNESS_STOPS)) : 0;
     brightness->n_of[(size_t)fmin(fmax(band, 0), BRIGHTNESS_BANDS - 1)]++;
@@ -24,7 +24,7 @@ Brightness brightness_find(const Image *image, double stops)
         const float rgb[3] = {pixel[channels[0]], pixel[channels[1]], pixel[channels[2]]};
         float luminance = color_luminance(rgb);
         if (isfinite(luminance) && !(alpha >= 0 && pixel[alpha] == 0))
-            note_luminance(&brightness, factor * (double)luminance);
+            brightness_note(&brightness, factor * (double)luminance);
     }
     return brightness;
 }
@@ -69,4 +69,9 @@ double brightness_stops(const Brightness *brightness)
            part_in(brightness, limit - 1, BRIGHTNESS_BANDS))
         limit--;
     return -stops_of(limit);
+}
+
+double brightness_white(const Brightness *brightness, const Exposure *exposure)
+{
+    return exp2(-exposure->stops - (exposure->automatic ? brightness_stops(brightness) : 0));
 }

@@ -14,6 +14,14 @@ typedef struct Brightness {
     double mean;                      /* luminance */
 } Brightness;
 
+/* By how many stops a picture is brightened for a display; automatic: these are beside what the picture asks for. */
+typedef struct Exposure {
+    double stops;
+    bool automatic;
+} Exposure;
+
+/* Notes a pixel's luminance. */
+void brightness_note(Brightness *brightness, double luminance);
 /* Of a scene-linear picture that is brightened by so many stops: of the pixels in which something is, where it has an alpha. A
  * picture without colours has no pixels. */
 Brightness brightness_find(const Image *image, double stops);
@@ -27,5 +35,7 @@ double brightness_at(const Brightness *brightness, double part);
  * before a dark ground is seen, and the ground hardly. A meter that goes by the mean of the logarithm (E. Reinhard et al.,
  * "Photographic Tone Reproduction for Digital Images", ACM TOG 21(3) (2002), section 2) makes all three grey. */
 double brightness_stops(const Brightness *brightness);
+/* The luminance that is white where a picture of this brightness is so exposed. */
+double brightness_white(const Brightness *brightness, const Exposure *exposure);
 
 #endif

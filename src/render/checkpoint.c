@@ -9,7 +9,8 @@
 #include "base/hash.h"
 
 #define MAGIC "MNSSTATE"
-enum { BYTE_ORDER_MARK = 0x01020304, LARGEST_SIDE = 65536 };
+/* The mark's last digit counts what heads and blocks have been. */
+enum { BYTE_ORDER_MARK = 0x01020305, LARGEST_SIDE = 65536 };
 
 /* What a block begins with. */
 typedef struct Prefix {

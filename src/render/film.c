@@ -10,8 +10,10 @@
 #include "render/pixel_noise.h"
 #include "render/spread.h"
 
-#define SQUARE_UNIT 0x1p-20
-#define LARGEST_SQUARE 0x1p40
+/* So wide that errors are known of rooms by moonlight as of a beach at noon, both in candelas per square metre. */
+#define SQUARE_UNIT 0x1p-12
+#define SQUARE_REST_UNIT 0x1p-44
+#define LARGEST_SQUARE 0x1p49
 /* Of sums, in their units: one more sample does not overflow. */
 #define LARGEST_SUM (INT64_C(1) << 62)
 /* A sample's alpha is held at 1 - this, or less than that. */
@@ -75,6 +77,23 @@ static bool hold_sum(int64_t *sum)
     return true;
 }
 
+/* The same of squares, with what is left of them. rest: what it is, which may be more than a whole unit. */
+static void set_squares(FilmPixel *pixel, int64_t squares, uint64_t rest)
+{
+    squares += (int64_t)(rest >> 32);
+    bool fits = squares < LARGEST_SUM - 1;
+    pixel->squares = fits ? squares : LARGEST_SUM - 1;
+    pixel->squares_rest = fits ? (uint32_t)rest : 0;
+}
+
+static void add_square(FilmPixel *pixel, double square)
+{
+    if (square > LARGEST_SQUARE) square = LARGEST_SQUARE; /* only the estimate of the noise suffers */
+    double units = floor(square / SQUARE_UNIT);
+    uint64_t rest = (uint64_t)llrint((square - units * SQUARE_UNIT) / SQUARE_REST_UNIT);
+    set_squares(pixel, pixel->squares + (int64_t)units, pixel->squares_rest + rest);
+}
+
 /* Before sample number 2^k. */
 static void mark(FilmPixel *pixel)
 {
@@ -96,11 +115,9 @@ bool film_add(Film *film, uint32_t x, uint32_t y, const float rgb[3], float alph
     uint32_t number = film->first_sample + pixel->n;
     if ((number & (number - 1)) == 0 && number) mark(pixel);
     pixel->luminance += llrint(y_value / FILM_UNIT);
-    bool square_held = false; /* only the estimate of the noise suffers */
-    pixel->squares += llrint(held(y_value * y_value, LARGEST_SQUARE, &square_held) / SQUARE_UNIT);
+    add_square(pixel, y_value * y_value);
     for (int i = 0; i < 3; i++) saturated |= hold_sum(&pixel->rgb[i]);
     (void)hold_sum(&pixel->luminance);
-    (void)hold_sum(&pixel->squares);
     pixel->alpha += llrint(fmin(fmax((double)alpha, 1 - most_open), 1) / FILM_UNIT);
     pixel->n++;
     return saturated;
@@ -131,7 +148,8 @@ void film_luminance(const FilmPixel *pixel, double *mean, double *standard_error
     double n = pixel->n;
     *mean = (double)pixel->luminance * FILM_UNIT / n;
     if (pixel->n < 2) return;
-    double variance = ((double)pixel->squares * SQUARE_UNIT / n - *mean * *mean) * n / (n - 1);
+    double squares = (double)pixel->squares * SQUARE_UNIT + pixel->squares_rest * SQUARE_REST_UNIT;
+    double variance = (squares / n - *mean * *mean) * n / (n - 1);
     *standard_error = sqrt(fmax(variance, 0) / n);
 }
 
@@ -203,9 +221,9 @@ static bool is_within(int64_t sum, double largest)
 static bool can_be(const FilmPixel *pixel)
 {
     double most = pixel->n * (FILM_LARGEST / FILM_UNIT + 1);
-    bool good = pixel->n <= FILM_MOST_SAMPLES && !pixel->unused &&
-                is_within(pixel->alpha, pixel->n * most_open / FILM_UNIT) && is_within(pixel->luminance, most) &&
-                pixel->squares >= 0 && is_within(pixel->squares, pixel->n * (LARGEST_SQUARE / SQUARE_UNIT + 1));
+    bool good = pixel->n <= FILM_MOST_SAMPLES && is_within(pixel->alpha, pixel->n * most_open / FILM_UNIT) &&
+                is_within(pixel->luminance, most) && pixel->squares >= 0 &&
+                is_within(pixel->squares, pixel->n * (LARGEST_SQUARE / SQUARE_UNIT + 1));
     for (int i = 0; i < 3; i++) good = good && is_within(pixel->rgb[i], most) && is_within(pixel->first_rgb[i], most);
     for (int i = 0; i <= FILM_LADDER; i++) good = good && is_within(pixel->before[i], most);
     return good;
@@ -254,7 +272,7 @@ void film_join(FilmPixel *pixel, const FilmPixel *next, uint32_t from)
         sum.rgb[i] = add(pixel->rgb[i], next->rgb[i]);
         if (first_ends_in_next) sum.first_rgb[i] = add(pixel->rgb[i], next->first_rgb[i]);
     }
-    sum.squares = add(sum.squares, next->squares);
+    set_squares(&sum, pixel->squares + next->squares, (uint64_t)pixel->squares_rest + next->squares_rest);
     sum.luminance = add(sum.luminance, next->luminance);
     sum.alpha += next->alpha;
     sum.n += next->n;

@@ -17,7 +17,8 @@ enum { FILM_LADDER = 4, FILM_MOST_SAMPLES = 1 << 24 };
 
 typedef struct FilmPixel {
     int64_t rgb[3];
-    int64_t squares; /* of the luminance, in units of 2^-20, each held at 2^40 */
+    int64_t
+        squares; /* of the luminance, in units of 2^-12, each held at 2^49; what is left of the sum is squares_rest */
     int64_t luminance;
     /* Of luminance, what is of the samples before number 2^k, counted from 0 in the whole render: for the largest 2^k below the
      * number that comes next, then for 2^(k-1), ... */
@@ -25,8 +26,9 @@ typedef struct FilmPixel {
     int64_t first_rgb[3]; /* of rgb, what before[0] is of luminance */
     /* of each sample up to 1, and where chance finds more of what is behind panes than there is, below 0 */
     int64_t alpha;
-    uint32_t n, unused;
-    uint64_t rays; /* that the samples took: what they cost */
+    uint32_t n;
+    uint32_t squares_rest; /* in units of 2^-44 */
+    uint64_t rays;         /* that the samples took: what they cost */
 } FilmPixel;
 
 /* What a pixel's samples found of shadow catchers, see trace/catcher.h and caught.h: sums as FilmPixel's, which has all of

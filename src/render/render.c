@@ -17,6 +17,7 @@
 #include "render/denoise.h"
 #include "render/early.h"
 #include "render/film.h"
+#include "render/glance.h"
 #include "render/spread.h"
 #include "trace/catcher.h"
 #include "trace/guide.h"
@@ -161,7 +162,7 @@ static void judge_noise(Job *job)
 {
     double now = clock_now_s();
     if (!job->events || !job->events->progress || now - job->noise_at < job->noise_cost / noise_share) return;
-    job->noise = adapt_noise(&job->state->film, NULL, job->state->crop, job->pool);
+    job->noise = adapt_noise(&job->state->film, NULL, job->state->crop, job->settings->exposure, job->pool);
     job->noise_at = clock_now_s();
     job->noise_cost = job->noise_at - now;
 }
@@ -422,7 +423,7 @@ static Status adapt_pixels(Job *job, bool *stopped, Error *error)
 {
     Adapt adapt;
     RenderState *state = job->state;
-    TRY(adapt_init(&adapt, state->crop, error));
+    TRY(adapt_init(&adapt, state->crop, job->settings->exposure, error));
     if (state->wanted) {
         free(adapt.wanted);
         adapt.wanted = state->wanted;
@@ -642,17 +643,20 @@ static Status search_guide(Job *job, GuideStats *stats, Error *error)
     bool certain = !(settings->noise > 0) && !(limit > 0);
     uint32_t *samples = &state->guide_samples;
     if (!*samples) *samples = certain || settings->samples < uncertain ? settings->samples : uncertain;
+    double start = clock_cpu_s();
+    Brightness brightness = {0};
+    if (settings->exposure.automatic) TRY(glance(job->world, settings->width, settings->height, &brightness, error));
     GuideSettings wish = {.width = settings->width,
                           .height = settings->height,
                           .paths = (uint64_t)settings->width * settings->height * *samples,
                           .seed = settings->seed,
+                          .dark = adapt_dark(&brightness, settings->exposure),
                           .time_limit_s = limit,
                           .end_s = end_of_search(job),
                           .always = settings->caustics == CAUSTICS_ON,
                           .stop = job->events ? job->events->stop : NULL,
                           .progress = report_photons,
                           .context = job};
-    double start = clock_cpu_s();
     if (!state->search) TRY(guide_search_new(&state->search, error));
     Status status = guide_search_run(state->search, job->world, &wish, job->pool, stats, error);
     stats->cpu_seconds = clock_cpu_s() - start;
@@ -685,8 +689,8 @@ static Status finish(const RenderState *state, bool complete, Pool *pool, Image 
 }
 
 /* Of samples that are counted. */
-static Status resolve(const RenderState *state, const Spread *spread, Pool *pool, Image *image, RenderStats *stats,
-                      Error *error)
+static Status resolve(const RenderState *state, const Spread *spread, Exposure exposure, Pool *pool, Image *image,
+                      RenderStats *stats, Error *error)
 {
     const PathCounters *counters = &state->counters;
     const Spread *moved = spread->pixels ? spread : NULL;
@@ -700,18 +704,19 @@ static Status resolve(const RenderState *state, const Spread *spread, Pool *pool
     stats->saturated_samples = state->saturated_samples;
     stats->spread_samples = spread->samples;
     stats->spread_light = spread->light;
-    stats->noise = adapt_noise(&state->film, moved, state->crop, pool);
+    stats->noise = adapt_noise(&state->film, moved, state->crop, exposure, pool);
     TRY(aov_film_resolve(&state->aovs, &state->film, moved, pool, image, error));
     Status status = finish(state, stats->samples > 0, pool, image, error);
     if (status != STATUS_OK) image_clear(image);
     return status;
 }
 
-Status render_state_resolve(const RenderState *state, Pool *pool, Image *image, RenderStats *stats, Error *error)
+Status render_state_resolve(const RenderState *state, Exposure exposure, Pool *pool, Image *image, RenderStats *stats,
+                            Error *error)
 {
     Spread spread;
     TRY(find_spread(state, pool, &spread, stats, error));
-    Status status = resolve(state, &spread, pool, image, stats, error);
+    Status status = resolve(state, &spread, exposure, pool, image, stats, error);
     spread_clear(&spread);
     return status;
 }
@@ -777,7 +782,7 @@ Status render_go_on(const CompiledScene *compiled, const RenderSettings *setting
     if (status == STATUS_OK) status = find_spread(state, pool, &spread, stats, error);
     if (status == STATUS_OK) {
         stats->noisy_pixels = job.plan.unmet;
-        status = resolve(state, &spread, pool, image, stats, error);
+        status = resolve(state, &spread, settings->exposure, pool, image, stats, error);
         stats->seconds = clock_now_s() - job.start;
         stats->cpu_seconds = clock_cpu_s() - cpu;
     }

@@ -8,6 +8,7 @@
 
 #include "base/pool.h"
 #include "render/aov_film.h"
+#include "render/brightness.h"
 #include "scene/compile.h"
 #include "trace/guide.h"
 
@@ -26,6 +27,7 @@ typedef struct RenderSettings {
                           * picture of so many samples is the same however fast it goes */
     double noise;    /* each pixel stops at this error, as adapt.h has it; 0: none does */
     bool adaptive;   /* without a noise: pixels get samples as their errors need them, as adapt.h has it */
+    Exposure exposure;   /* with which the picture is shown: noise is in relation to what is white then */
     double time_limit_s; /* 0: none */
     uint32_t bounces, seed, camera;
     AovSet aovs;            /* further channels */
@@ -113,10 +115,10 @@ void render_state_clear(RenderState *state);
 bool render_state_is_empty(const RenderState *state); /* without any sample */
 /* Whether there is anything to go on from: samples, or photons. */
 bool render_state_is_worth_keeping(const RenderState *state);
-/* What a state means: the picture, and what stats has of it (not the time, nor what the guide did). pool: NULL is fine.
- * STATUS_NOMEM. */
-ATTR_NODISCARD Status render_state_resolve(const RenderState *state, Pool *pool, Image *image, RenderStats *stats,
-                                           Error *error);
+/* What a state means: the picture, and what stats has of it (not the time, nor what the guide did). exposure: as in the settings.
+ * pool: NULL is fine. STATUS_NOMEM. */
+ATTR_NODISCARD Status render_state_resolve(const RenderState *state, Exposure exposure, Pool *pool, Image *image,
+                                           RenderStats *stats, Error *error);
 
 /* Renders. *image gets channels R G B A, "noise.Y" (standard error of the luminance), and those of the AOVs, by
  * width x height (outside of a crop 0). Same bits for any number of threads. STATUS_RENDER, STATUS_NOMEM. */

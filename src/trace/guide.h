@@ -59,6 +59,7 @@ typedef struct GuideSettings {
     uint32_t width, height; /* of the picture */
     uint64_t paths;         /* that it will take: what the guide takes is to be a small part of that */
     uint32_t seed;
+    double dark; /* where luminances are less than this, errors are as large as they are; where more, as they relate */
     double time_limit_s;                              /* of the picture; 0: none. The guide gets a part of it */
     double end_s;                                     /* on base/clock.h's clock: the search is left then; 0: never */
     bool always;                                      /* also where little is to be gained */

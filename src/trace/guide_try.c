@@ -44,11 +44,9 @@ enum { EVEN = 4 * N_LOOKS, EVEN_LOOKS = EVEN + 2, TRIED = 5 * N_LOOKS + 2 };
 /* Lines are bright on which cells scatter this much of what they do on lines in the mean, weighted by itself; or so much that the
  * line is not dark. */
 #define BRIGHT_PART 0.25
-#define NOT_DARK (4 * (double)SAMPLING_PI * DARK)
+#define NOT_DARK (4 * (double)SAMPLING_PI)
 /* The part that is trusted of what one share for all cells gains. */
 #define EVEN_TRUST 0.5
-/* As adapt_noise has it: absolute errors where it is darker than this. */
-#define DARK 0.1
 
 typedef struct Record {
     uint32_t path, cell;
@@ -227,7 +225,7 @@ static void look_at_spot(void *context, uint32_t i, unsigned worker)
     spot->rays = (double)(tracer->counters.rays - rays);
     for (uint32_t k = 0; k < SPOT_PATHS; k++) { /* each by the brightness that the others say */
         double mean = (sum - luminance[k]) / (SPOT_PATHS - 1), off = luminance[k] - mean;
-        by_brightness[k] = 1 / (mean * mean + DARK * DARK);
+        by_brightness[k] = 1 / (mean * mean + settings->dark * settings->dark);
         spot->variance += fmin(off * off * by_brightness[k], MOST_SQUARE) * (SPOT_PATHS - 1) / SPOT_PATHS;
     }
     for (size_t k = 0; k < ledger->n; k++) {
@@ -441,7 +439,8 @@ static void conclude(Tryout *trial, const Photon *photons, uint32_t followed, Gu
     worth->promise = promised(trial, photons, followed, &seen) / without.variance;
     if (all.n_found == 0 && seen > GUIDE_GREAT_PROMISE * without.variance) trust_photons(trial, worth);
     worth->rays_per_path = without.work / trial->paths;
-    worth->bright = all.lines > 0 ? fmin(BRIGHT_PART * all.lines_squared / all.lines, NOT_DARK) : 0;
+    double not_dark = NOT_DARK * trial->settings->dark;
+    worth->bright = all.lines > 0 ? fmin(BRIGHT_PART * all.lines_squared / all.lines, not_dark) : 0;
     for (uint32_t i = 0; i < guide->n_cells; i++) {
         set_shares(&guide->cells[i], trial->chosen[i]);
         guide->visits[i] = trial->cells[0][i].visits + trial->cells[1][i].visits;

@@ -80,7 +80,7 @@ static void measure(const Made *made, RenderSettings settings, const References 
     for (int smooths = 0; smooths < 2; smooths++) {
         double start = clock_cpu_s();
         state.aovs.guides = smooths;
-        if (render_state_resolve(&state, pool, smooths ? &smooth : &plain, &stats, &error) != STATUS_OK)
+        if (render_state_resolve(&state, (Exposure){0}, pool, smooths ? &smooth : &plain, &stats, &error) != STATUS_OK)
             bench_fail("denoise", &error);
         resolve_s[smooths] = clock_cpu_s() - start;
     }

@@ -336,6 +336,31 @@ run render small.mns -o a.exr -s 1 -v
 matches err 'lights: 0; '
 end
 
+begin "noise is in relation to what the picture is shown with"
+cat > room.mns <<'SCENE'
+meniscus 1.0 unit m
+param dim = 0 "by how many stops all light is less"
+let light = 2 ^ -dim
+sphere { center = <0, 1, 0>  radius = 1  surface = surface { albedo = .5 } }
+ground { surface = surface { albedo = .4 } }
+light { shape = "sphere"  from = <3, 5, 2>  radius = .3  radiance = 40 * light }
+environment { color = .02 * light }
+camera { from = <0, 2, 6>  to = <0, 1, 0> }
+film { size = <32, 24>  exposure = dim }
+SCENE
+noise_of() { run render room.mns -o room.exr --noise .5% -s 1000 --progress none "$@" && cat err; }
+noise_of -D dim=0 > bright.txt
+noise_of -D dim=6 > dim.txt
+noise_of -D dim=6 --set film.exposure=0 --exposure 6 > asked.txt
+sed -i 's/ in [0-9.]* s$//' bright.txt dim.txt asked.txt
+cmp -s bright.txt dim.txt || flunk "a film that is exposed for less light asks for other samples"
+cmp -s bright.txt asked.txt || flunk "the option asks for other samples than the film"
+run render room.mns -o a.exr -q -D dim=6 --set film.exposure=0 --noise .5% -s 1000 --aov samples && run info a.exr
+matches out '^meniscus/meanSamples +16$'
+run render room.mns -o b.exr -q -D dim=6 --set film.exposure=0 --auto-exposure on --noise .5% -s 1000 --aov samples && run info b.exr
+matches out '^meniscus/meanSamples +1[0-9][0-9]'
+end
+
 begin "adaptive renders: the samples of noisy and of quiet pixels, and their mean"
 small_scene
 run render small.mns -o a.exr -s 64 --adaptive on --aov samples --stats=a.json --progress none

@@ -11,7 +11,7 @@ static void resolve(RenderState *state)
     Error error = {0};
     bool small = (double)state->film.width * state->film.height < 1e5; /* it takes its time */
     if (small) {
-        Status status = render_state_resolve(state, NULL, &image, &stats, &error);
+        Status status = render_state_resolve(state, (Exposure){0}, NULL, &image, &stats, &error);
         FUZZ_HOLDS(status == STATUS_OK ? image.pixels != NULL : error.text[0]);
     }
     image_clear(&image);

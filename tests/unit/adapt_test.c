@@ -11,6 +11,7 @@
 
 enum { SIDE = 40, MIDDLE = SIDE / 2 };
 static const uint32_t whole[4] = {0, 0, SIDE, SIDE};
+static float light = 1; /* what luminances are multiplied by */
 
 /* Samples of a pixel, to the right of the middle of luminances of 1 with a deviation of 0.5; to the left, of 1 alone. */
 static void add(Film *film, uint32_t x, uint32_t y, uint32_t samples)
@@ -18,7 +19,7 @@ static void add(Film *film, uint32_t x, uint32_t y, uint32_t samples)
     for (uint32_t first = film_pixel(film, x, y)->n, i = first; i < first + samples; i++) {
         double u = hash_to_unit(hash_u64(((uint64_t)y * SIDE + x) * 1000 + i)) - 0.5;
         float value = (float)(x < MIDDLE ? 1 : 1 + u * sqrt(3));
-        (void)film_add(film, x, y, (float[]){value, value, value}, 1);
+        (void)film_add(film, x, y, (float[]){light * value, light * value, light * value}, 1);
     }
 }
 
@@ -34,7 +35,7 @@ static AdaptPlan plan_of(const Film *film, double noise, uint32_t most, uint32_t
 {
     Error error;
     Adapt adapt;
-    assert_int_equal(adapt_init(&adapt, whole, &error), STATUS_OK);
+    assert_int_equal(adapt_init(&adapt, whole, (Exposure){0}, &error), STATUS_OK);
     AdaptPlan plan;
     assert_int_equal(adapt_plan(&adapt, film, noise, most, NULL, &plan, &error), STATUS_OK);
     memcpy(wanted, adapt.wanted, SIDE * SIDE * sizeof *wanted);
@@ -49,10 +50,10 @@ static void noise_is_the_mean_error(void **state)
     Film film;
     fill(&film, 16);
     double expected = 0.5 * sqrt(2 / acos(-1)) * 0.125 / sqrt(1.01);
-    assert_near(adapt_noise(&film, NULL, whole, NULL), expected, 0.06 * expected);
+    assert_near(adapt_noise(&film, NULL, whole, (Exposure){0}, NULL), expected, 0.06 * expected);
     film_clear(&film);
     fill(&film, 1);
-    assert_true(adapt_noise(&film, NULL, whole, NULL) < 0);
+    assert_true(adapt_noise(&film, NULL, whole, (Exposure){0}, NULL) < 0);
     film_clear(&film);
 }
 
@@ -105,7 +106,7 @@ static AdaptPlan shares_of(const Film *film, uint32_t samples, uint32_t *wanted,
     Error error;
     Adapt adapt;
     AdaptPlan plan;
-    assert_int_equal(adapt_init(&adapt, whole, &error), STATUS_OK);
+    assert_int_equal(adapt_init(&adapt, whole, (Exposure){0}, &error), STATUS_OK);
     assert_int_equal(adapt_share(&adapt, film, samples, NULL, &plan, &error), STATUS_OK);
     double sum = 0;
     for (uint32_t i = 0; i < SIDE * SIDE; i++) sum += wanted[i] = adapt.wanted[i];
@@ -219,19 +220,21 @@ static void what_is_beyond_a_crop_is_no_neighbour(void **state)
 typedef struct Answers {
     double noise;
     float errors[SIDE * SIDE];
-    uint32_t shares[SIDE * SIDE];
+    uint32_t shares[SIDE * SIDE], wanted[SIDE * SIDE];
 } Answers;
 
-static void ask(const Film *film, Pool *pool, Answers *answers)
+static void ask(const Film *film, Exposure exposure, Pool *pool, Answers *answers)
 {
     Error error;
     Adapt adapt;
     AdaptPlan plan;
-    answers->noise = adapt_noise(film, NULL, whole, pool);
+    answers->noise = adapt_noise(film, NULL, whole, exposure, pool);
     assert_int_equal(pixel_noise(film, NULL, pool, answers->errors, &error), STATUS_OK);
-    assert_int_equal(adapt_init(&adapt, whole, &error), STATUS_OK);
+    assert_int_equal(adapt_init(&adapt, whole, exposure, &error), STATUS_OK);
     assert_int_equal(adapt_share(&adapt, film, 64, pool, &plan, &error), STATUS_OK);
     memcpy(answers->shares, adapt.wanted, sizeof answers->shares);
+    assert_int_equal(adapt_plan(&adapt, film, 0.08, 64, pool, &plan, &error), STATUS_OK);
+    memcpy(answers->wanted, adapt.wanted, sizeof answers->wanted);
     adapt_clear(&adapt);
 }
 
@@ -244,8 +247,8 @@ static void threads_change_nothing(void **state)
     Error error;
     assert_int_equal(pool_new(3, &pool, &error), STATUS_OK);
     fill(&film, 16);
-    ask(&film, NULL, &alone);
-    ask(&film, pool, &together);
+    ask(&film, (Exposure){0}, NULL, &alone);
+    ask(&film, (Exposure){0}, pool, &together);
     assert_true(alone.noise > 0);
     assert_true(alone.noise == together.noise);
     assert_memory_equal(alone.errors, together.errors, sizeof alone.errors);
@@ -254,16 +257,46 @@ static void threads_change_nothing(void **state)
     pool_free(pool);
 }
 
+/* By moonlight and at noon, in candelas per square metre: with an exposure that shows the same picture, or one that is found, the
+ * same noise is stated, and the same is wanted. Without, all that is dark has no noise, and what is bright has as much. */
+static void what_looks_alike_is_judged_alike(void **state)
+{
+    (void)state;
+    static Answers usual, found, scaled;
+    Film film;
+    fill(&film, 16);
+    ask(&film, (Exposure){0}, NULL, &usual);
+    ask(&film, (Exposure){.automatic = true}, NULL, &found);
+    film_clear(&film);
+    for (int stops = -16; stops <= 10; stops += 13) { /* by which the film is brightened */
+        light = exp2f((float)-stops);
+        fill(&film, 16);
+        for (int automatic = 0; automatic < 2; automatic++) {
+            const Answers *expected = automatic ? &found : &usual;
+            ask(&film, (Exposure){automatic ? 0 : stops, automatic}, NULL, &scaled);
+            assert_near(scaled.noise, expected->noise, 1e-5 * expected->noise);
+            assert_memory_equal(scaled.wanted, expected->wanted, sizeof scaled.wanted);
+            assert_memory_equal(scaled.shares, expected->shares, sizeof scaled.shares);
+            for (uint32_t i = 0; i < SIDE * SIDE; i++)
+                assert_near((double)(scaled.errors[i] / light), expected->errors[i], 1e-5);
+        }
+        double unexposed = adapt_noise(&film, NULL, whole, (Exposure){0}, NULL) / usual.noise;
+        if (stops > 0)
+            assert_true(unexposed < 0.02);
+        else
+            assert_near(unexposed, 1, 0.01);
+        film_clear(&film);
+    }
+    light = 1;
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(threads_change_nothing),
-        cmocka_unit_test(noise_is_the_mean_error),
-        cmocka_unit_test(samples_go_where_the_noise_is),
-        cmocka_unit_test(no_pixel_judges_itself),
-        cmocka_unit_test(a_number_of_samples_is_shared_out_by_need),
-        cmocka_unit_test(without_noise_a_render_ends),
-        cmocka_unit_test(what_is_beyond_a_crop_is_no_neighbour),
+        cmocka_unit_test(threads_change_nothing),      cmocka_unit_test(what_looks_alike_is_judged_alike),
+        cmocka_unit_test(noise_is_the_mean_error),     cmocka_unit_test(samples_go_where_the_noise_is),
+        cmocka_unit_test(no_pixel_judges_itself),      cmocka_unit_test(a_number_of_samples_is_shared_out_by_need),
+        cmocka_unit_test(without_noise_a_render_ends), cmocka_unit_test(what_is_beyond_a_crop_is_no_neighbour),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -38,8 +38,14 @@ static void go_on(const Lit *lit, GuideSearch *search, unsigned threads, double 
     Pool *pool;
     Error error;
     GuideStats stats;
-    GuideSettings settings = {
-        .width = 64, .height = 48, .paths = 1500000, .seed = 3, .always = true, .end_s = end_s, .stop = stop};
+    GuideSettings settings = {.width = 64,
+                              .height = 48,
+                              .paths = 1500000,
+                              .seed = 3,
+                              .dark = 0.1,
+                              .always = true,
+                              .end_s = end_s,
+                              .stop = stop};
     assert_int_equal(pool_new(threads, &pool, &error), STATUS_OK);
     assert_int_equal(guide_search_run(search, &lit->world, &settings, pool, &stats, &error), STATUS_OK);
     assert_int_equal(stats.followed, search->facts.followed);
