@@ -58,30 +58,51 @@ static bool is_one_of_many(const Remarks *r, uint32_t hull)
 
 /* ---- the order ---- */
 
+/* Do nothing but their volumes, which hardly differ, or the order of their declarations say which of the two is on top? */
+static bool is_close_order(const Remarks *r, const HullPair *pair, ReportVerdict *verdict)
+{
+    if (!pair->overlaps) return false;
+    *verdict = report_verdict(r->compiled, pair);
+    if (verdict->kind != VERDICT_RULE || !isfinite(r->compiled->hulls[verdict->bottom].volume)) return false;
+    return verdict->rule == NEST_BY_DECLARATION ||
+           (verdict->rule == NEST_BY_VOLUME && report_volumes_differ(r->compiled, verdict) < REPORT_CLOSE_VOLUMES);
+}
+
+static void remark_one_close_order(Remarks *r, const ReportVerdict *verdict, uint32_t n)
+{
+    const SceneObject *top = report_object(r->compiled, verdict->top);
+    const SceneObject *bottom = report_object(r->compiled, verdict->bottom);
+    Diagnostic *report =
+        verdict->rule == NEST_BY_VOLUME
+            ? diag_report(r->diag, D_CLOSE_ORDER, top->span,
+                          "%s is on top of %s by their volumes, which differ by %.2g %%", top->name, bottom->name,
+                          100 * report_volumes_differ(r->compiled, verdict))
+            : diag_report(r->diag, D_CLOSE_ORDER, top->span, "%s is on top of %s only because it is declared later",
+                          top->name, bottom->name);
+    if (n > 1)
+        diag_note_nowhere(r->diag, report, "and so it is in %u more pairs of what these lines place",
+                          (unsigned)(n - 1));
+    diag_note(r->diag, report, bottom->span, "%s is here", bottom->name);
+    diag_hint(r->diag, report, "give the one that is meant to be on top a larger priority");
+}
+
 static void remark_close_order(Remarks *r)
 {
-    Tally tally = {.code = D_CLOSE_ORDER};
+    ReportVerdict first[REPORT_MOST];
+    ReportLikes likes = {.n = 0};
+    uint32_t n_others = 0;
     for (size_t i = 0; i < r->compiled->n_pairs; i++) {
-        const HullPair *pair = &r->compiled->pairs[i];
-        if (!pair->overlaps) continue;
-        ReportVerdict verdict = report_verdict(r->compiled, pair);
-        const SceneObject *top = report_object(r->compiled, verdict.top);
-        const SceneObject *bottom = report_object(r->compiled, verdict.bottom);
-        if (verdict.kind != VERDICT_RULE) continue;
-        if (!isfinite(r->compiled->hulls[verdict.bottom].volume)) continue;
-        double difference = report_volumes_differ(r->compiled, &verdict);
-        bool by_volume = verdict.rule == NEST_BY_VOLUME && difference < REPORT_CLOSE_VOLUMES;
-        if ((!by_volume && verdict.rule != NEST_BY_DECLARATION) || !tally_next(&tally)) continue;
-        Diagnostic *report =
-            by_volume ? diag_report(r->diag, D_CLOSE_ORDER, top->span,
-                                    "%s is on top of %s by their volumes, which differ by %.2g %%", top->name,
-                                    bottom->name, 100 * difference)
-                      : diag_report(r->diag, D_CLOSE_ORDER, top->span,
-                                    "%s is on top of %s only because it is declared later", top->name, bottom->name);
-        diag_note(r->diag, report, bottom->span, "%s is here", bottom->name);
-        diag_hint(r->diag, report, "give the one that is meant to be on top a larger priority");
+        ReportVerdict verdict;
+        if (!is_close_order(r, &r->compiled->pairs[i], &verdict)) continue;
+        uint32_t group = report_count_like(&likes, report_object(r->compiled, verdict.top),
+                                           report_object(r->compiled, verdict.bottom));
+        if (group == REPORT_MOST)
+            n_others++;
+        else if (likes.counts[group] == 1)
+            first[group] = verdict;
     }
-    tally_end(r, &tally);
+    for (uint32_t i = 0; i < likes.n; i++) remark_one_close_order(r, &first[i], likes.counts[i]);
+    if (n_others) diag_report_nowhere(r->diag, D_CLOSE_ORDER, "%u more of the same kind", (unsigned)n_others);
 }
 
 /* What coordinates tell apart at the corner of a box that is farthest out. */

@@ -94,9 +94,9 @@ bool hint_at_library(Resolver *resolver, Diagnostic *report, const char *name, b
     return false;
 }
 
-static void suggest_word(Resolver *resolver, Diagnostic *report, const char *word)
+static void suggest_word(Resolver *resolver, Diagnostic *report, const char *word, const char *otherwise)
 {
-    diag_hint(resolver->diag, report, "did you mean '%s'?", word);
+    diag_hint(resolver->diag, report, "did you mean '%s'?%s", word, otherwise);
     Binding *binding = symbol_of(resolver->symbols, word, strlen(word))->binding;
     if (binding) binding_use(binding); /* that nothing uses it would be the same mistake */
     if (binding && binding->has_span && binding->span.source == report->span.source)
@@ -120,16 +120,29 @@ static const char *same_but_case(const Resolver *resolver, const char *wrong)
     return found;
 }
 
+/* The medium or other node that the scene gave a name that differs by a slip, and begins as that does; NULL: none. */
+static const char *nearest_declared_node(Resolver *resolver, const Symbol *wrong)
+{
+    const char *nearest = nearest_visible(resolver, wrong);
+    const Binding *binding = nearest ? symbol_of(resolver->symbols, nearest, strlen(nearest))->binding : NULL;
+    return binding && binding->declares && binding->has_span && *nearest == *wrong->text ? nearest : NULL;
+}
+
 void suggest_visible(Resolver *resolver, Diagnostic *report, const Symbol *wrong, bool functions, bool nodes)
 {
     const char *same = functions || nodes ? NULL : same_but_case(resolver, wrong->text);
     if (same) {
-        suggest_word(resolver, report, same);
+        suggest_word(resolver, report, same, "");
         return;
     }
     const char *node = nodes ? habit_node(wrong->text) : NULL, *word = nodes ? NULL : habit_word(wrong->text);
     bool vague = node && strstr(node, "use \"std/"); /* of a file, and not which of its macros */
     if ((!node || vague) && (functions || nodes) && hint_at_library(resolver, report, wrong->text, false)) return;
+    const char *slip = word ? nearest_declared_node(resolver, wrong) : NULL;
+    if (slip) { /* glass, where the scene has a medium glas */
+        suggest_word(resolver, report, slip, arena_format(resolver->arena, " Else write: %s", word));
+        return;
+    }
     if (node || word) {
         diag_hint(resolver->diag, report, node ? "%s" : "write: %s", node ? node : word);
         return;
@@ -137,7 +150,7 @@ void suggest_visible(Resolver *resolver, Diagnostic *report, const Symbol *wrong
     Words words = visible_words(resolver, functions, nodes);
     const char *nearest = suggest_nearest(wrong->text, words.items, words.n);
     free(words.items);
-    if (nearest) suggest_word(resolver, report, nearest);
+    if (nearest) suggest_word(resolver, report, nearest, "");
     if (!report->hint && !functions) suggest_later(resolver, report, wrong);
     if (!report->hint && !functions) hint_at_library(resolver, report, wrong->text, true);
 }
