@@ -179,12 +179,15 @@ static void print_like_pairs(const CompiledScene *compiled, const ReportGroups *
     bool top_inside = compiled->hull_of_object[inner] == first->verdict.top;
     const ReportGroup *subject = first->kind == LINE_INSIDE && !top_inside ? bottom : top;
     const ReportGroup *object = subject == top ? bottom : top;
-    buf_format(out, "  %zu × ", n);
+    bool one = subject->n == 1; /* that meets many: they are what is counted */
+    buf_add(out, "  ");
+    if (!one) buf_format(out, "%zu × ", n);
     add_group(compiled, subject, out);
     buf_add(out, first->kind == LINE_INSIDE    ? " inside "
                  : first->kind == LINE_OVERLAP ? " overlaps "
                  : first->kind == LINE_TOUCH   ? " touches "
                                                : " leaves a gap to ");
+    if (one) buf_format(out, "%zu × ", n);
     add_group(compiled, object, out);
     switch (first->kind) {
     case LINE_INSIDE: break;

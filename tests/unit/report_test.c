@@ -54,6 +54,21 @@ static void the_text_says_who_is_on_top(void **state)
     free(text);
 }
 
+/* A wall that drops stand in is one wall; where many meet many, the pairs are counted. */
+static void what_there_are_many_of_is_counted(void **state)
+{
+    (void)state;
+    char *text = report_of(
+        "meniscus 1.0 unit mm medium glass { ior = 1.5  state = solid } medium water { ior = 1.33  state = "
+        "liquid }\n"
+        "box pane { interior = glass  size = <90, 90, 4> }\n"
+        "for (i in 0..9) { sphere dew { interior = water  radius = 2  center = <6 * i - 30, 0, 2> } }\n" FIXTURE_VIEW,
+        false);
+    assert_has(text, "  pane overlaps 10 × dew (water) by ");
+    assert_has(text, " together: pane on top, by state of matter\n");
+    free(text);
+}
+
 /* What mixes has no place in an order, also where nothing is on top of it. */
 static void what_mixes_stands_below(void **state)
 {
@@ -609,6 +624,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_text_says_who_is_on_top),
+        cmocka_unit_test(what_there_are_many_of_is_counted),
         cmocka_unit_test(what_mixes_stands_below),
         cmocka_unit_test(nameless_media_are_told_apart),
         cmocka_unit_test(nameless_media_of_the_same_values_are_one),
