@@ -479,7 +479,7 @@ static void check_count(Resolver *resolver, Expr *expr, unsigned min, unsigned m
     expr->kind = EXPR_POISON;
 }
 
-static void report_no_function(Resolver *resolver, const Expr *callee, const Binding *binding)
+static void report_no_function(Resolver *resolver, const Expr *callee, const Binding *binding, bool no_arguments)
 {
     if (callee->kind != EXPR_NAME) {
         const char *name = callee->kind == EXPR_MEMBER ? callee->as.member.name->text : NULL;
@@ -499,6 +499,8 @@ static void report_no_function(Resolver *resolver, const Expr *callee, const Bin
         if (binding->has_span) diag_note(resolver->diag, report, binding->span, "declared here");
         if (symbol->declared == SYMBOL_TRANSFORM)
             diag_hint(resolver->diag, report, "write: transform(%s)", symbol->text);
+        else if (binding->declares && no_arguments)
+            diag_hint(resolver->diag, report, "write: %s, without brackets", symbol->text);
         return;
     }
     Diagnostic *report =
@@ -703,7 +705,7 @@ static void resolve_call(Resolver *resolver, Expr *expr)
         check_count(resolver, expr, term->min_args, term->max_args);
     } else {
         expr->kind = EXPR_POISON;
-        if (!silent) report_no_function(resolver, callee, binding);
+        if (!silent) report_no_function(resolver, callee, binding, expr->as.call.args.n == 0);
     }
 }
 

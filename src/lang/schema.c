@@ -7,6 +7,7 @@
 #include "diag/suggest.h"
 #include "lang/evaluator.h"
 #include "lang/habits.h"
+#include "lang/lex.h"
 
 /* ---- looking up ---- */
 
@@ -280,8 +281,10 @@ static void hint_text(const Check *check, const char *text, Diagnostic *report)
     const char *word = habit_word(text);
     double number;
     bool digits = *text == '#' && text[1] && !text[1 + strspn(text + 1, "0123456789abcdefABCDEF")];
-    bool read = *text && num_parse(text, strlen(text), &number) == strlen(text);
-    if ((is_color_kind(kind) && digits) || (is_number_kind(kind) && read))
+    size_t n_number = num_parse(text, strlen(text), &number), n_unit = strlen(text) - n_number;
+    bool read = n_number > 0 && (n_unit == 0 || unit_of(text + n_number, n_unit)); /* "5", "5mm" */
+    bool vector = kind == PROP_VECTOR3 && *text == '<';
+    if ((is_color_kind(kind) && digits) || (is_number_kind(kind) && read) || vector)
         diag_hint(diag, report, "write: %s, without quotation marks", text);
     else if (is_color_kind(kind) && word && strncmp(word, "rgb(", 4) == 0)
         diag_hint(diag, report, "write: %s", word);
@@ -421,6 +424,15 @@ static void hint_bytes(const Check *check, const double *numbers, size_t n, Diag
               (unsigned)numbers[0], (unsigned)numbers[1], (unsigned)numbers[2]);
 }
 
+/* A roughness of 30: one that counts in hundredths? */
+static void hint_hundredths(const Check *check, double number, Diagnostic *report)
+{
+    const PropType *type = check->type;
+    if (type->kind != PROP_NUMBER || type->min != 0 || type->max != 1 || !(number >= 2) || number > 100) return;
+    Diag *diag = check->evaluator->diag;
+    diag_hint(diag, report, "where hundredths are meant, write: %s", number_text(diag->arena, number / 100));
+}
+
 static bool is_plain_literal(const Expr *expr)
 {
     if (expr->kind == EXPR_DIVIDE) return is_plain_literal(expr->as.op.a) && is_plain_literal(expr->as.op.b); /* 1/50 */
@@ -473,11 +485,12 @@ static bool check_numbers(const Check *check, const double *numbers, size_t n)
         const char *text = refused_text(arena, type, numbers[i]);
         if (!isfinite(numbers[i]))
             eval_error(check->evaluator, check->expr, D_BAD_NUMBER, "'%s' is not finite", type->name);
-        else if (!number_allowed(type, numbers[i]))
-            hint_bytes(check, numbers, n,
-                       eval_error(check->evaluator, check->expr, D_VALUE_OUT_OF_RANGE, "%s %s %s", type->name, text,
-                                  schema_bounds_text(arena, type)));
-        else
+        else if (!number_allowed(type, numbers[i])) {
+            Diagnostic *report = eval_error(check->evaluator, check->expr, D_VALUE_OUT_OF_RANGE, "%s %s %s", type->name,
+                                            text, schema_bounds_text(arena, type));
+            hint_bytes(check, numbers, n, report);
+            hint_hundredths(check, numbers[i], report);
+        } else
             eval_error(check->evaluator, check->expr, D_WRONG_TYPE, "'%s' wants a whole number, not %s", type->name,
                        text);
         return false;
