@@ -148,6 +148,18 @@ static bool is_other_part(const World *world, uint32_t seen, const Event *event)
     return here->whole == first->whole && here->thing != first->thing && here->light == SCENE_NONE;
 }
 
+/* What else the path comes to behind the clear faces of what is seen first: by its medium, so that the bubbles in a block of
+ * glass are one thing apart from the block, else the glints of those that few paths find would be shared out over all of it.
+ * SCENE_NONE: nothing else. */
+static uint32_t seen_within(const World *world, uint32_t seen, const Event *event)
+{
+    const Scene *scene = world->scene;
+    if (event->kind != EVENT_BOUNDARY || seen >= scene->n_objects) return SCENE_NONE;
+    uint32_t medium = scene->objects[event->hit.object].medium;
+    if (medium == SCENE_NONE || world->looks[event->hit.object].whole == world->looks[seen].whole) return SCENE_NONE;
+    return scattered_by(world, scene->n_media + medium, false);
+}
+
 /* Light that was looked for, and found, on the way to what is met first, was scattered there; so what the path met is not what such a
  * sample shows. */
 static void next_event_noting(Path *path, Event *event, bool first)
@@ -242,6 +254,10 @@ static void follow(Path *path, bool first)
         if (first || (clear && event.kind == EVENT_SCATTER) ||
             (UNLIKELY(world->has_parts) && clear && second && is_other_part(world, tracer->seen, &event)))
             tracer->seen = seen_first(world, &event, first);
+        else if (clear) {
+            uint32_t within = seen_within(world, tracer->seen, &event);
+            if (within != SCENE_NONE) tracer->seen = within;
+        }
         bool notes = textured && clear && event.kind == EVENT_OPAQUE;
         clear = clear && event.kind == EVENT_BOUNDARY;
         if (UNLIKELY(notes_sight && !looks_ahead) && first) note_sight(path, &event);

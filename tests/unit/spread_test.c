@@ -909,6 +909,18 @@ static void what_is_engraved_stays_there(void **state)
                  "camera { from = <0, 0, 20> fov = 12 }");
 }
 
+/* Bubbles in the middle of a block of glass, in each of which few paths find a lamp below it. */
+static void what_is_in_a_block_stays_there(void **state)
+{
+    (void)state;
+    expect_apart("meniscus 1.0 unit mm environment { strength = .002 } "
+                 "box { from = <-4, -4, -1> to = <4, 4, 1> interior = medium { ior = 1.5 state = solid } } "
+                 "for (i in 0..<400) { let r = sqrt(rnd(1, i)) let a = 360 * rnd(2, i) sphere { interior = air "
+                 "radius = .03 center = <.95 * r * cos(a), .95 * r * sin(a), rnd(3, i) - .5> } } "
+                 "light { shape = sphere from = <0, -7, 0> radius = 1.5 radiance = 60 } "
+                 "camera { from = <0, 0, 20> fov = 12 }");
+}
+
 /* A faint reflection over what is black, as of a sky in deep water: few samples of each pixel find it. What is there besides is
  * less than the film can tell apart, or next to nothing, in one pixel of sixteen: they do not draw the light of others. */
 static void next_to_nothing_draws_no_light(void **state)
@@ -977,6 +989,7 @@ int main(void)
         cmocka_unit_test(rendered),
         cmocka_unit_test(what_scatters_in_something_clear_stays_there),
         cmocka_unit_test(what_is_engraved_stays_there),
+        cmocka_unit_test(what_is_in_a_block_stays_there),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
