@@ -160,6 +160,15 @@ static uint32_t seen_within(const World *world, uint32_t seen, const Event *even
     return scattered_by(world, scene->n_media + medium, false);
 }
 
+/* What a path shows behind this event, of which it showed that before, and to which it came through nothing but boundaries. */
+static uint32_t seen_behind(const World *world, uint32_t seen, const Event *event, bool first, bool second)
+{
+    bool part = UNLIKELY(world->has_parts) && second && is_other_part(world, seen, event);
+    if (first || event->kind == EVENT_SCATTER || part) return seen_first(world, event, first);
+    uint32_t within = seen_within(world, seen, event);
+    return within == SCENE_NONE ? seen : within;
+}
+
 /* Light that was looked for, and found, on the way to what is met first, was scattered there; so what the path met is not what such a
  * sample shows. */
 static void next_event_noting(Path *path, Event *event, bool first)
@@ -251,13 +260,7 @@ static void follow(Path *path, bool first)
         else
             path_next_event(path, &event);
         if (textured) path_reach(path, &event);
-        if (first || (clear && event.kind == EVENT_SCATTER) ||
-            (UNLIKELY(world->has_parts) && clear && second && is_other_part(world, tracer->seen, &event)))
-            tracer->seen = seen_first(world, &event, first);
-        else if (clear) {
-            uint32_t within = seen_within(world, tracer->seen, &event);
-            if (within != SCENE_NONE) tracer->seen = within;
-        }
+        if (clear) tracer->seen = seen_behind(world, tracer->seen, &event, first, second);
         bool notes = textured && clear && event.kind == EVENT_OPAQUE;
         clear = clear && event.kind == EVENT_BOUNDARY;
         if (UNLIKELY(notes_sight && !looks_ahead) && first) note_sight(path, &event);
