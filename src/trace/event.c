@@ -505,6 +505,7 @@ typedef struct Straight {
     bool uneven; /* some media on its way vary, shine or mix */
     bool mended; /* it has been looked at again */
     size_t n_crossings, n_faults;
+    uint32_t n_panes;
 } Straight;
 typedef enum StraightEnd { STRAIGHT_CLEAR, STRAIGHT_BLOCKED, STRAIGHT_CONTRADICTS, STRAIGHT_LOST } StraightEnd;
 
@@ -548,8 +549,11 @@ static inline StraightEnd cross_straight(Path *path, const Ray *ray, const Hit *
     if (UNLIKELY(world->has_panes)) {
         size_t n_hulls = 0;
         for (size_t i = 0; i < n; i++) n_hulls += world->compiled->hull_of_object[hits[i].object] != SCENE_NONE;
-        if (n_hulls < n)
+        if (n_hulls < n) {
+            /* a path that goes this way counts each of them, too */
+            if (path->n_counted + ++straight->n_panes > world->max_bounces) return STRAIGHT_BLOCKED;
             straight->panes = lanes_mul(straight->panes, path_pass_panes(path, ray, hits, n, straight->medium));
+        }
         if (!n_hulls) crossing.medium_from = crossing.medium_to = straight->medium;
         if (lanes_zero(straight->panes)) return STRAIGHT_BLOCKED;
     }

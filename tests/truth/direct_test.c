@@ -396,6 +396,24 @@ static void through_panes(void **state)
     }
 }
 
+/* A pane is one of the surfaces along a path whichever way light is found: beyond the limit, no look goes through it. */
+static void panes_count(void **state)
+{
+    (void)state;
+    const double cosine = 3 / sqrt(13);
+    static const char text[] =
+        FLOOR PANE "light { shape = distant  from = <2, 3, 0>  to = <0, 0, 0>  angle = .1deg  power = 10 }\n"
+                   "mesh { positions = [<-9000, 8, -9000>, <9000, 8, -9000>, <0, 8, 9000>]  triangles = [<0, 1, 2>]\n"
+                   "  surface = pane }";
+    RenderSettings looking = truth_small(64);
+    looking.caustics = CAUSTICS_OFF;
+    looking.bounces = 2;
+    truth_expect("the sun through a pane, of two surfaces", 0.8 / TRUTH_PI * 10 * cosine * truth_pane(cosine, 1.5),
+                 truth_measure_as(text, NULL, &looking), 4, 0.002);
+    looking.bounces = 1;
+    assert_true(truth_measure_as(text, NULL, &looking).mean == 0);
+}
+
 /* ---- through bodies with parallel faces ---- */
 
 /* A small sun, with so few bounces that light goes through and no further: what two faces let pass, and the glass between them. */
@@ -844,6 +862,7 @@ int main(void)
         cmocka_unit_test(bulb_in_murk),
         cmocka_unit_test(agree_in_fog),
         cmocka_unit_test(through_panes),
+        cmocka_unit_test(panes_count),
         cmocka_unit_test(holes_in_glass),
         cmocka_unit_test(sun_through_slab),
         cmocka_unit_test(through_slabs),
