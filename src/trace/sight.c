@@ -32,7 +32,33 @@ static void reflectance_color(const Path *path, const Event *event, const SceneS
     for (int c = 0; c < 3; c++) rgb[c] = lanes_sum(sum[c]);
 }
 
-void sight_note(const Path *path, const Event *event, FirstSight *sight)
+/* What the surface has at this place; spec: room. */
+static const BsdfSpec *spec_at(const Path *look, const Event *event, const SceneSurface *surface, SurfacePlace *place,
+                               BsdfSpec *spec)
+{
+    if (!surface_has_textures(surface)) return &surface->spec;
+    path_read_textures(look, event, surface, place, look->wavelengths.nm, spec);
+    return spec;
+}
+
+static float clear_part(const BsdfSpec *spec)
+{
+    return (1 - spec->base_metalness) * spec->transmission_weight;
+}
+
+/* The colour of what is painted on a clear object, white where that is clear; alone: of the paint alone. */
+static void paint_color(const Path *path, const Event *event, const SceneSurface *surface, bool alone, float rgb[3])
+{
+    if (!surface->painted) return;
+    SurfacePlace place = path_place(path, event);
+    BsdfSpec room;
+    float clear = alone ? 0 : clear_part(spec_at(path, event, surface, &place, &room));
+    reflectance_color(path, event, surface, rgb);
+    for (int i = 0; i < 3; i++) rgb[i] += clear * (1 - rgb[i]);
+}
+
+/* ends: whether the line goes no farther, so that of what is clear in part it shows the rest. */
+static void note_surface(const Path *path, const Event *event, bool ends, FirstSight *sight)
 {
     Tracer *tracer = path->tracer;
     const World *world = tracer->world;
@@ -58,11 +84,18 @@ void sight_note(const Path *path, const Event *event, FirstSight *sight)
     for (int i = 0; i < 3; i++) sight->albedo[i] = opaque ? 0 : 1;
     if (opaque && object->light == SCENE_NONE && object->surface != SCENE_NONE)
         reflectance_color(path, event, &scene->surfaces[object->surface], sight->albedo);
+    if (!opaque && object->surface != SCENE_NONE && scene->surfaces[object->surface].painted)
+        paint_color(path, event, path_surface(path, event, object->surface), ends, sight->albedo);
     if (object->surface != SCENE_NONE && surface_has_relief(&scene->surfaces[object->surface])) {
         SurfacePlace place = path_place(path, event);
         path_relief(path, event, &scene->surfaces[object->surface], (double)path->cone_width, &place);
         sight->normal = place.normal;
     }
+}
+
+void sight_note(const Path *path, const Event *event, FirstSight *sight)
+{
+    note_surface(path, event, false, sight);
 }
 
 /* ---- behind what is clear ---- */
@@ -103,19 +136,10 @@ static void note_scattering(const Path *look, const Event *event, uint32_t enter
                           .through = SCENE_NONE};
 }
 
-/* What the surface has at this place; spec: room. */
-static const BsdfSpec *spec_at(const Path *look, const Event *event, const SceneSurface *surface, SurfacePlace *place,
-                               BsdfSpec *spec)
-{
-    if (!surface_has_textures(surface)) return &surface->spec;
-    path_read_textures(look, event, surface, place, look->wavelengths.nm, spec);
-    return spec;
-}
-
 /* Whether this sample goes through where only a part is clear. */
 static bool is_clear(const Path *look, const BsdfSpec *spec)
 {
-    float part = (1 - spec->base_metalness) * spec->transmission_weight;
+    float part = clear_part(spec);
     return part >= 1 || sampler_1d(&look->sampler, sampler_dimension(look->bounce, DIM_LOBE)) < part;
 }
 
@@ -262,12 +286,13 @@ static void look_behind(Path *look, Event *event, FirstSight *behind)
     }
     if (!things.n) { /* nothing is looked through */
         *behind = tracer->first_sight;
+        if (event->kind == EVENT_BOUNDARY) note_surface(look, event, true, behind);
         return;
     }
     if (event->kind == EVENT_SCATTER)
         note_scattering(look, event, entered, behind);
     else
-        sight_note(look, event, behind);
+        note_surface(look, event, true, behind);
     add_thing(&things, tracer->world, event, passed); /* what is seen behind them, at last */
     memcpy(behind->passed, passed, sizeof passed);
     behind->distance += distance;

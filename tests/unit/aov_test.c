@@ -355,6 +355,36 @@ static void what_covers_in_part_has_its_part(void **state)
     }
 }
 
+/* What is painted on a clear object is of its own colour; of half of it the other half is white, or what is behind. */
+static void paint_has_its_colour(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        double albedo, behind;
+    } cases[] = {
+        {BEHIND("box { from = <-9, -9, 0> to = <9, 9, 1> interior = glass "
+                "surface = surface { transmission = 0 albedo = rgb(.9, .75, .1) } }"),
+         .75, .75},
+        {BEHIND("box { from = <-9, -9, 0> to = <9, 9, 1> interior = glass "
+                "surface = surface { transmission = .5 albedo = rgb(.9, .75, .1) } }"),
+         .875, .625},
+        {BEHIND("box { from = <-9, -9, 0> to = <9, 9, 1> interior = glass surface = surface { weight = .5 "
+                "mix = [surface { ior = 1.5 transmission = 1 }, surface { transmission = 0 albedo = rgb(.9, .75, .1) "
+                "}] } }"),
+         .875, .625},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        Fixture f;
+        Image image;
+        render(cases[i].text, ALL, 1, &f, &image);
+        assert_near(mean_of(&image, "albedo.G"), cases[i].albedo, 0.01);
+        assert_near(mean_of(&image, "behind.albedo.G"), cases[i].behind, 0.02);
+        image_clear(&image);
+        fixture_clear(&f);
+    }
+}
+
 static void names_are_hashed_as_others_do(void **state)
 {
     (void)state;
@@ -407,6 +437,7 @@ int main(void)
         cmocka_unit_test(what_is_seen_first),
         cmocka_unit_test(what_is_behind_clear_surfaces_is_seen_by_refraction),
         cmocka_unit_test(what_covers_in_part_has_its_part),
+        cmocka_unit_test(paint_has_its_colour),
         cmocka_unit_test(names_are_hashed_as_others_do),
         cmocka_unit_test(scenes_name_them),
     };
