@@ -46,15 +46,31 @@ static float clear_part(const BsdfSpec *spec)
     return (1 - spec->base_metalness) * spec->transmission_weight;
 }
 
-/* The colour of what is painted on a clear object, white where that is clear; alone: of the paint alone. */
-static void paint_color(const Path *path, const Event *event, const SceneSurface *surface, bool alone, float rgb[3])
+/* Whether it is a boundary or a sheet, which may be clear. */
+static bool may_be_clear(const World *world, const Event *event)
 {
-    if (!surface->painted) return;
+    return event->kind == EVENT_BOUNDARY ||
+           (event->kind == EVENT_OPAQUE && scene_is_thin(world->scene, event->hit.object));
+}
+
+/* The colour of what is met, white where it is clear. Of a mix that may be clear, that of one part of it; ends: and there of what is
+ * not clear alone. */
+static void color_of(const Path *path, const Event *event, bool ends, float rgb[3])
+{
+    const World *world = path->tracer->world;
+    const SceneObject *object = &world->scene->objects[event->hit.object];
+    const bool boundary = event->kind == EVENT_BOUNDARY, clear = may_be_clear(world, event);
+    for (int i = 0; i < 3; i++) rgb[i] = boundary ? 1 : 0;
+    if (object->light != SCENE_NONE || object->surface == SCENE_NONE) return;
+    const SceneSurface *surface = &world->scene->surfaces[object->surface];
+    if (clear) surface = path_surface(path, event, object->surface);
+    if (boundary && !surface->painted) return;
+    reflectance_color(path, event, surface, rgb);
+    if (!clear || ends) return;
     SurfacePlace place = path_place(path, event);
     BsdfSpec room;
-    float clear = alone ? 0 : clear_part(spec_at(path, event, surface, &place, &room));
-    reflectance_color(path, event, surface, rgb);
-    for (int i = 0; i < 3; i++) rgb[i] += clear * (1 - rgb[i]);
+    float part = clear_part(spec_at(path, event, surface, &place, &room));
+    for (int i = 0; i < 3; i++) rgb[i] += part * (1 - rgb[i]);
 }
 
 /* ends: whether the line goes no farther, so that of what is clear in part it shows the rest. */
@@ -81,11 +97,7 @@ static void note_surface(const Path *path, const Event *event, bool ends, FirstS
     sight->position = ray_point(&path->ray, event->hit.t);
     sight->normal = event->hit.cos_normal < 0 ? shading : vec3f_negate(shading);
     texture_uv(world, &path->ray, &event->hit, sight->uv);
-    for (int i = 0; i < 3; i++) sight->albedo[i] = opaque ? 0 : 1;
-    if (opaque && object->light == SCENE_NONE && object->surface != SCENE_NONE)
-        reflectance_color(path, event, &scene->surfaces[object->surface], sight->albedo);
-    if (!opaque && object->surface != SCENE_NONE && scene->surfaces[object->surface].painted)
-        paint_color(path, event, path_surface(path, event, object->surface), ends, sight->albedo);
+    color_of(path, event, ends, sight->albedo);
     if (object->surface != SCENE_NONE && surface_has_relief(&scene->surfaces[object->surface])) {
         SurfacePlace place = path_place(path, event);
         path_relief(path, event, &scene->surfaces[object->surface], (double)path->cone_width, &place);
@@ -286,7 +298,7 @@ static void look_behind(Path *look, Event *event, FirstSight *behind)
     }
     if (!things.n) { /* nothing is looked through */
         *behind = tracer->first_sight;
-        if (event->kind == EVENT_BOUNDARY) note_surface(look, event, true, behind);
+        if (may_be_clear(tracer->world, event)) note_surface(look, event, true, behind);
         return;
     }
     if (event->kind == EVENT_SCATTER)

@@ -355,6 +355,8 @@ static void what_covers_in_part_has_its_part(void **state)
     }
 }
 
+#define SHEET "mesh { positions = [<-9, -9, 1>, <9, -9, 1>, <0, 18, 1>]  triangles = [<0, 1, 2>]  "
+
 /* What is painted on a clear object is of its own colour; of half of it the other half is white, or what is behind. */
 static void paint_has_its_colour(void **state)
 {
@@ -373,6 +375,12 @@ static void paint_has_its_colour(void **state)
                 "mix = [surface { ior = 1.5 transmission = 1 }, surface { transmission = 0 albedo = rgb(.9, .75, .1) "
                 "}] } }"),
          .875, .625},
+        /* sheets, the second of which is half nothing */
+        {BEHIND(SHEET "surface = surface { thin = true transmission = 1 ior = 1.5 } }"), 1, .25},
+        {BEHIND(SHEET "surface = surface { weight = .5 "
+                      "mix = [surface { thin = true transmission = 1 ior = 1 specular = 0 }, "
+                      "surface { thin = true albedo = rgb(.9, .75, .1) translucency = .5 }] } }"),
+         .875, .5},
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         Fixture f;
