@@ -50,8 +50,8 @@ static Status check_output(const char *path, const char *preview, Error *error)
 /* A picture, or a layer of it. */
 typedef struct Viewed {
     Image image;
-    bool shown;    /* as a display shows it, not scene-linear */
-    ColorLook own; /* what its file says of how it is shown */
+    bool shown;     /* as a display shows it, not scene-linear */
+    ColorLook look; /* what its file says of how it is shown, and then how it is shown */
 } Viewed;
 
 static void find_look(void *context, const char *name, const char *text)
@@ -65,8 +65,8 @@ static Status read_picture(const char *path, Viewed *viewed, Error *error)
 {
     Error none;
     TRY(image_read_linear(path, &viewed->image, error));
-    if (file_kind(path) != FILE_REGULAR || exr_visit_attributes(path, find_look, &viewed->own, &none) != STATUS_OK)
-        viewed->own = (ColorLook){.stops = 0};
+    if (file_kind(path) != FILE_REGULAR || exr_visit_attributes(path, find_look, &viewed->look, &none) != STATUS_OK)
+        viewed->look = (ColorLook){.stops = 0};
     return STATUS_OK;
 }
 
@@ -161,15 +161,27 @@ static Status choose_layer(const char *name, const Talk *talk, Viewed *viewed, E
     return STATUS_OK;
 }
 
-static Status write_png(const Options *options, const ColorConfig *config, const Talk *talk, const Viewed *viewed,
-                        const char *path, Error *error)
+/* An automatic exposure is that of the whole picture, also where a part of it is viewed. */
+static Status choose_part(const Options *options, const Talk *talk, bool says_exposure, Viewed *viewed, Error *error)
+{
+    Image *image = &viewed->image;
+    uint32_t crop[4];
+    viewed->look = output_look(options, &viewed->look);
+    if (!viewed->shown && says_exposure) output_say_exposure(talk, image, &viewed->look);
+    if (!viewed->shown) viewed->look = output_look_for(image, &viewed->look);
+    if (!option_given(options, OPTION_VIEW_CROP)) return STATUS_OK;
+    TRY(option_crop(options, OPTION_VIEW_CROP, image->width, image->height, crop, error));
+    image_crop(image, crop);
+    return STATUS_OK;
+}
+
+static Status write_png(const Options *options, const ColorConfig *config, const Viewed *viewed, const char *path,
+                        Error *error)
 {
     unsigned bits = option_is(options, OPTION_BITS, "16") ? 16 : 8;
     Image shown;
-    ColorLook look = output_look(options, &viewed->own);
     if (viewed->shown) return png_write(path, &viewed->image, bits, error);
-    output_say_exposure(talk, &viewed->image, &look);
-    TRY(image_for_display(&viewed->image, config, &look, &shown, error));
+    TRY(image_for_display(&viewed->image, config, &viewed->look, &shown, error));
     Status status = png_write(path, &shown, bits, error);
     image_clear(&shown);
     return status;
@@ -179,7 +191,6 @@ static Status show(const Options *options, const ColorConfig *config, const View
                    Error *error)
 {
     Preview preview;
-    ColorLook look = output_look(options, &viewed->own);
     Status status = preview_open(where, file_name(options->operands[0]), &preview, error);
     if (status == STATUS_OK && preview.kind == PREVIEW_FILE)
         status =
@@ -187,7 +198,7 @@ static Status show(const Options *options, const ColorConfig *config, const View
     if (status == STATUS_OK && preview.kind == PREVIEW_TERMINAL && viewed->shown)
         status = terminal_preview_show(&preview.terminal, &viewed->image, error);
     else if (status == STATUS_OK)
-        status = preview_show(&preview, &viewed->image, NULL, config, &look, error);
+        status = preview_show(&preview, &viewed->image, NULL, config, &viewed->look, error);
     preview_close(&preview);
     return status;
 }
@@ -200,8 +211,9 @@ static Status view_file(const Options *options, const ColorConfig *config, const
     const char *layer = option_text(options, OPTION_LAYER, NULL);
     Status status = read_picture(options->operands[0], &viewed, error);
     if (status == STATUS_OK && layer) status = choose_layer(layer, talk, &viewed, error);
+    if (status == STATUS_OK) status = choose_part(options, talk, path != NULL, &viewed, error);
     if (status == STATUS_OK && where) status = show(options, config, &viewed, where, error);
-    if (status == STATUS_OK && path) status = write_png(options, config, talk, &viewed, path, error);
+    if (status == STATUS_OK && path) status = write_png(options, config, &viewed, path, error);
     image_clear(&viewed.image);
     return status;
 }

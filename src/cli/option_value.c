@@ -278,3 +278,17 @@ Status option_value_read(const OptionRow *row, const char *spelled, const char *
     }
     return STATUS_OK;
 }
+
+Status option_crop(const Options *options, OptionKey key, uint32_t width, uint32_t height, uint32_t crop[4],
+                   Error *error)
+{
+    const OptionValue *value = &options->values[key];
+    for (int i = 0; i < 4; i++)
+        crop[i] = value->parts[i] < 0 ? value->whole[i] : (uint32_t)(value->parts[i] * (i % 2 ? height : width) + 0.5);
+    if (crop[2] > width || crop[3] > height)
+        return fail(error, STATUS_USAGE, "option '--crop': %u,%u is outside of the picture of %u x %u", crop[2],
+                    crop[3], width, height);
+    if (crop[0] < crop[2] && crop[1] < crop[3]) return STATUS_OK;
+    return fail(error, STATUS_USAGE, "option '--crop': %u,%u,%u,%u of the picture of %u x %u holds no pixel", crop[0],
+                crop[1], crop[2], crop[3], width, height);
+}

@@ -111,6 +111,10 @@ bool option_given(const Options *options, OptionKey key);
 /* The text of the value given last, else otherwise. */
 const char *option_text(const Options *options, OptionKey key, const char *otherwise);
 bool option_is(const Options *options, OptionKey key, const char *choice);
+/* The pixels that an option of KIND_CROP means of a picture of this size: x0, y0, x1, y1. STATUS_USAGE: they are not within it, or
+ * none. */
+ATTR_NODISCARD Status option_crop(const Options *options, OptionKey key, uint32_t width, uint32_t height,
+                                  uint32_t crop[4], Error *error);
 
 /* Reads one value (option_value.c). spelled: the option as it was typed, for messages. */
 ATTR_NODISCARD Status option_value_read(const OptionRow *row, const char *spelled, const char *text, OptionValue *value,

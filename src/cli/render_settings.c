@@ -14,19 +14,8 @@ static uint32_t count_of(const Options *options, OptionKey key, uint32_t otherwi
 static Status merge_crop(RenderRun *run, Error *error)
 {
     RenderSettings *settings = &run->settings;
-    const OptionValue *value = &run->options->values[OPTION_CROP];
-    uint32_t *crop = settings->crop;
     if (!option_given(run->options, OPTION_CROP)) return STATUS_OK;
-    for (int i = 0; i < 4; i++) {
-        uint32_t side = i % 2 ? settings->height : settings->width;
-        crop[i] = value->parts[i] < 0 ? value->whole[i] : (uint32_t)(value->parts[i] * side + 0.5);
-    }
-    if (crop[2] > settings->width || crop[3] > settings->height)
-        return fail(error, STATUS_USAGE, "option '--crop': %u,%u is outside of the picture of %u x %u", crop[2],
-                    crop[3], settings->width, settings->height);
-    if (crop[0] < crop[2] && crop[1] < crop[3]) return STATUS_OK;
-    return fail(error, STATUS_USAGE, "option '--crop': %u,%u,%u,%u of the picture of %u x %u holds no pixel", crop[0],
-                crop[1], crop[2], crop[3], settings->width, settings->height);
+    return option_crop(run->options, OPTION_CROP, settings->width, settings->height, settings->crop, error);
 }
 
 /* The names of all that there is, for a message. */

@@ -64,6 +64,15 @@ void image_clear(Image *image)
     *image = (Image){0};
 }
 
+void image_crop(Image *image, const uint32_t crop[4])
+{
+    size_t row = (size_t)(crop[2] - crop[0]) * image->n_channels;
+    for (uint32_t y = crop[1]; y < crop[3]; y++)
+        memmove(image->pixels + (y - crop[1]) * row, image_at(image, crop[0], y), row * sizeof *image->pixels);
+    image->width = crop[2] - crop[0];
+    image->height = crop[3] - crop[1];
+}
+
 int image_channel(const Image *image, const char *name)
 {
     for (uint32_t i = 0; i < image->n_channels; i++)

@@ -56,6 +56,8 @@ static inline unsigned image_byte(float shown)
 {
     return (unsigned)(shown > 0 ? lrintf(255 * fminf(shown, 1)) : 0);
 }
+/* Takes away all pixels but those from crop[0], crop[1] up to but without crop[2], crop[3], of which there are some. */
+void image_crop(Image *image, const uint32_t crop[4]);
 /* The index of a channel, -1 when there is none. */
 int image_channel(const Image *image, const char *name);
 /* The channels that hold the colour: R, G, B; else those of the first layer that has them (layer.R ...); else

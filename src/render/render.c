@@ -633,6 +633,17 @@ static double end_of_search(const Job *job)
     return job->start + (shows ? 1 - show_share : 1) * settings->time_limit_s;
 }
 
+/* As adapt_dark has it, by the scene alone: what options say of how the picture is shown changes no sample. */
+static Status foresee_dark(const Job *job, double *dark, Error *error)
+{
+    const SceneFilm *film = &job->world->scene->film;
+    const Exposure exposure = {film->exposure, film->auto_exposure};
+    Brightness brightness = {0};
+    if (exposure.automatic) TRY(glance(job->world, job->settings->width, job->settings->height, &brightness, error));
+    *dark = adapt_dark(&brightness, exposure);
+    return STATUS_OK;
+}
+
 static Status search_guide(Job *job, GuideStats *stats, Error *error)
 {
     const RenderSettings *settings = job->settings;
@@ -643,14 +654,13 @@ static Status search_guide(Job *job, GuideStats *stats, Error *error)
     bool certain = !(settings->noise > 0) && !(limit > 0);
     uint32_t *samples = &state->guide_samples;
     if (!*samples) *samples = certain || settings->samples < uncertain ? settings->samples : uncertain;
-    double start = clock_cpu_s();
-    Brightness brightness = {0};
-    if (settings->exposure.automatic) TRY(glance(job->world, settings->width, settings->height, &brightness, error));
+    double start = clock_cpu_s(), dark;
+    TRY(foresee_dark(job, &dark, error));
     GuideSettings wish = {.width = settings->width,
                           .height = settings->height,
                           .paths = (uint64_t)settings->width * settings->height * *samples,
                           .seed = settings->seed,
-                          .dark = adapt_dark(&brightness, settings->exposure),
+                          .dark = dark,
                           .time_limit_s = limit,
                           .end_s = end_of_search(job),
                           .always = settings->caustics == CAUSTICS_ON,
