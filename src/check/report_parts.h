@@ -88,6 +88,9 @@ void report_contacts(const CompiledScene *compiled, Diag *diag);
 /* Remarks on thin opaque sheets, as labels, that lie in clear solids just below their surface. */
 void report_sunken(const CompiledScene *compiled, Diag *diag);
 
+/* Remarks on lines of the text that place several equal objects at one place. bounds: of each object. */
+void report_copies(const CompiledScene *compiled, const Box3 *bounds, Diag *diag);
+
 /* Remarks on portals that glass closes. */
 void report_portals(const CompiledScene *compiled, Diag *diag);
 

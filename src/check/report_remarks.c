@@ -711,6 +711,7 @@ void report_remarks(const CompiledScene *compiled, Diag *diag)
         remark_close_order(&r);
         report_order_by_volume(compiled, diag);
         remark_near_coincidence(&r);
+        report_copies(compiled, r.bounds, diag);
         remark_indifferent(&r);
         remark_mostly_hidden(&r);
         report_enclosed(compiled, diag);
