@@ -29,10 +29,14 @@ static bool tally_next(Tally *tally)
     return ++tally->n <= REPORT_MOST;
 }
 
+static void count_others(Remarks *r, DiagCode code, uint32_t n)
+{
+    if (n) diag_report_nowhere(r->diag, code, "%u more of the same kind", (unsigned)n);
+}
+
 static void tally_end(Remarks *r, const Tally *tally)
 {
-    if (tally->n > REPORT_MOST)
-        diag_report_nowhere(r->diag, tally->code, "%u more of the same kind", (unsigned)(tally->n - REPORT_MOST));
+    count_others(r, tally->code, tally->n > REPORT_MOST ? tally->n - REPORT_MOST : 0);
 }
 
 static bool is_bounded(const Box3 *box)
@@ -68,6 +72,14 @@ static bool is_close_order(const Remarks *r, const HullPair *pair, ReportVerdict
            (verdict->rule == NEST_BY_VOLUME && report_volumes_differ(r->compiled, verdict) < REPORT_CLOSE_VOLUMES);
 }
 
+/* Of pairs of what the same two lines of the text place, one report tells of all. */
+static void note_likes(Remarks *r, Diagnostic *report, uint32_t n)
+{
+    if (n > 1)
+        diag_note_nowhere(r->diag, report, "and so it is in %u more pairs of what these lines place",
+                          (unsigned)(n - 1));
+}
+
 static void remark_one_close_order(Remarks *r, const ReportVerdict *verdict, uint32_t n)
 {
     const SceneObject *top = report_object(r->compiled, verdict->top);
@@ -79,9 +91,7 @@ static void remark_one_close_order(Remarks *r, const ReportVerdict *verdict, uin
                           100 * report_volumes_differ(r->compiled, verdict))
             : diag_report(r->diag, D_CLOSE_ORDER, top->span, "%s is on top of %s only because it is declared later",
                           top->name, bottom->name);
-    if (n > 1)
-        diag_note_nowhere(r->diag, report, "and so it is in %u more pairs of what these lines place",
-                          (unsigned)(n - 1));
+    note_likes(r, report, n);
     diag_note(r->diag, report, bottom->span, "%s is here", bottom->name);
     diag_hint(r->diag, report, "give the one that is meant to be on top a larger priority");
 }
@@ -102,7 +112,7 @@ static void remark_close_order(Remarks *r)
             first[group] = verdict;
     }
     for (uint32_t i = 0; i < likes.n; i++) remark_one_close_order(r, &first[i], likes.counts[i]);
-    if (n_others) diag_report_nowhere(r->diag, D_CLOSE_ORDER, "%u more of the same kind", (unsigned)n_others);
+    count_others(r, D_CLOSE_ORDER, n_others);
 }
 
 /* What coordinates tell apart at the corner of a box that is farthest out. */
@@ -114,24 +124,41 @@ static double rounding_in(const Box3 *box)
 
 /* Beyond what storing coordinates as floats does by itself: half of a unit in the last place on each side, a quarter of
  * the rounding at most. */
+static bool is_near_coincidence(const Remarks *r, const HullPair *pair)
+{
+    return pair->touches && pair->contact_offset > 0.3 * rounding_in(&r->bounds[pair->a]) &&
+           pair->contact_area > 2 * pair->contact_area_error;
+}
+
+static void remark_one_near_coincidence(Remarks *r, const HullPair *pair, uint32_t n)
+{
+    const SceneObject *a = &r->scene->objects[pair->a], *b = &r->scene->objects[pair->b];
+    Buf offset = {0};
+    report_add_length(&offset, r->scene, pair->contact_offset);
+    Diagnostic *report = diag_report(r->diag, D_NEAR_COINCIDENT, b->span,
+                                     "faces of %s and %s are %s apart, which is less than coordinates can tell there",
+                                     b->name, a->name, buf_text(&offset));
+    note_likes(r, report, n);
+    diag_note(r->diag, report, a->span, "%s is here", a->name);
+    buf_clear(&offset);
+}
+
 static void remark_near_coincidence(Remarks *r)
 {
-    Tally tally = {.code = D_NEAR_COINCIDENT};
+    const HullPair *first[REPORT_MOST];
+    ReportLikes likes = {.n = 0};
+    uint32_t n_others = 0;
     for (size_t i = 0; i < r->compiled->n_pairs; i++) {
         const HullPair *pair = &r->compiled->pairs[i];
-        const SceneObject *a = &r->scene->objects[pair->a], *b = &r->scene->objects[pair->b];
-        if (!pair->touches || pair->contact_offset <= 0.3 * rounding_in(&r->bounds[pair->a])) continue;
-        if (!(pair->contact_area > 2 * pair->contact_area_error) || !tally_next(&tally)) continue;
-        Buf offset = {0};
-        report_add_length(&offset, r->scene, pair->contact_offset);
-        Diagnostic *report =
-            diag_report(r->diag, D_NEAR_COINCIDENT, b->span,
-                        "faces of %s and %s are %s apart, which is less than coordinates can tell there", b->name,
-                        a->name, buf_text(&offset));
-        diag_note(r->diag, report, a->span, "%s is here", a->name);
-        buf_clear(&offset);
+        if (!is_near_coincidence(r, pair)) continue;
+        uint32_t group = report_count_like(&likes, &r->scene->objects[pair->b], &r->scene->objects[pair->a]);
+        if (group == REPORT_MOST)
+            n_others++;
+        else if (likes.counts[group] == 1)
+            first[group] = pair;
     }
-    tally_end(r, &tally);
+    for (uint32_t i = 0; i < likes.n; i++) remark_one_near_coincidence(r, first[i], likes.counts[i]);
+    count_others(r, D_NEAR_COINCIDENT, n_others);
 }
 
 /* ---- what cannot be seen ---- */
