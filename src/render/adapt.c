@@ -39,7 +39,7 @@ static double pixel_luminance(const Film *film, uint32_t x, uint32_t y)
 
 double adapt_dark(const Brightness *brightness, Exposure exposure)
 {
-    return 0.1 * brightness_white(brightness, &exposure);
+    return 0.1 * brightness_white(brightness, exposure);
 }
 
 /* Of the picture that these pixels are so far. */

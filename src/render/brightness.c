@@ -71,7 +71,7 @@ double brightness_stops(const Brightness *brightness)
     return -stops_of(limit);
 }
 
-double brightness_white(const Brightness *brightness, const Exposure *exposure)
+double brightness_white(const Brightness *brightness, Exposure exposure)
 {
-    return exp2(-exposure->stops - (exposure->automatic ? brightness_stops(brightness) : 0));
+    return exp2(-exposure.stops - (exposure.automatic ? brightness_stops(brightness) : 0));
 }

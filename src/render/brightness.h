@@ -36,6 +36,6 @@ double brightness_at(const Brightness *brightness, double part);
  * "Photographic Tone Reproduction for Digital Images", ACM TOG 21(3) (2002), section 2) makes all three grey. */
 double brightness_stops(const Brightness *brightness);
 /* The luminance that is white where a picture of this brightness is so exposed. */
-double brightness_white(const Brightness *brightness, const Exposure *exposure);
+double brightness_white(const Brightness *brightness, Exposure exposure);
 
 #endif

@@ -17,8 +17,7 @@ enum { FILM_LADDER = 4, FILM_MOST_SAMPLES = 1 << 24 };
 
 typedef struct FilmPixel {
     int64_t rgb[3];
-    int64_t
-        squares; /* of the luminance, in units of 2^-12, each held at 2^49; what is left of the sum is squares_rest */
+    int64_t squares; /* of the luminance, in units of 2^-12, each held at 2^49; with squares_rest */
     int64_t luminance;
     /* Of luminance, what is of the samples before number 2^k, counted from 0 in the whole render: for the largest 2^k below the
      * number that comes next, then for 2^(k-1), ... */
