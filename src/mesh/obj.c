@@ -1,5 +1,5 @@
-/* obj.c - reads meshes in Wavefront's OBJ format: v, vt, vn and f. Polygons are fanned; o, g and usemtl name
- * parts, and what mtllib names is listed; lines, points and free-form surfaces are passed over.
+/* obj.c - reads meshes in Wavefront's OBJ format: v, vt, vn and f. Polygons become triangles (mesh/face.h);
+ * o, g and usemtl name parts, and what mtllib names is listed; lines, points and free-form surfaces are passed over.
  * A corner of a face names its position, texture coordinate and normal separately; a vertex is made for
  * every combination that occurs.
  * SPDX-License-Identifier: Apache-2.0 */
@@ -11,6 +11,7 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/num.h"
+#include "mesh/face.h"
 #include "mesh/mesh_file.h"
 
 /* Numbers from 1; 0: none. */
@@ -41,7 +42,7 @@ typedef struct Obj {
     size_t n_uvs, uv_capacity;
     ObjCorner *corners; /* three per triangle */
     size_t n_corners, corner_capacity;
-    uint32_t *lines; /* per triangle, for messages */
+    uint32_t *lines; /* per triangle, where its face begins: that of no other face */
     size_t n_lines, line_capacity;
     bool uses_uvs, uses_normals;
     unsigned n_libraries; /* of materials, that were looked at */
@@ -194,7 +195,7 @@ static Status read_corner(Obj *obj, ObjCorner *corner)
     return STATUS_OK;
 }
 
-static Status add_triangle(Obj *obj, ObjCorner a, ObjCorner b, ObjCorner c)
+static Status add_triangle(Obj *obj, uint32_t line, ObjCorner a, ObjCorner b, ObjCorner c)
 {
     if (!mesh_source_wants(obj->source, obj->parts, N_PART_KINDS, 1)) return STATUS_OK;
     if (obj->n_lines >= most_items) return too_many(obj, "triangles");
@@ -204,12 +205,14 @@ static Status add_triangle(Obj *obj, ObjCorner a, ObjCorner b, ObjCorner c)
     obj->corners[obj->n_corners++] = a;
     obj->corners[obj->n_corners++] = b;
     obj->corners[obj->n_corners++] = c;
-    obj->lines[obj->n_lines++] = obj->line;
+    obj->lines[obj->n_lines++] = line;
     return STATUS_OK;
 }
 
+/* As a fan: it is cut when all positions are known. */
 static Status read_face(Obj *obj)
 {
+    const uint32_t line = obj->line;
     ObjCorner first = {0, 0, 0}, last = {0, 0, 0};
     size_t n = 0;
     for (;; n++) {
@@ -217,7 +220,7 @@ static Status read_face(Obj *obj)
         if (at_line_end(obj)) break;
         ObjCorner corner;
         TRY(read_corner(obj, &corner));
-        if (n >= 2) TRY(add_triangle(obj, first, last, corner));
+        if (n >= 2) TRY(add_triangle(obj, line, first, last, corner));
         if (n == 0) first = corner;
         last = corner;
     }
@@ -302,6 +305,39 @@ static Status read_lines(Obj *obj)
     return STATUS_OK;
 }
 
+/* Makes of the fan of m triangles from number `from` on what covers its polygon. */
+static void cut_face(Obj *obj, size_t from, size_t m, FaceCut *cut, ObjCorner *ring)
+{
+    ObjCorner *fan = obj->corners + 3 * from;
+    cut->n = (uint32_t)m + 2;
+    for (size_t k = 0; k < m + 2; k++) {
+        ring[k] = k < 2 ? fan[k] : fan[3 * (k - 2) + 2];
+        cut->corners[k] = obj->positions[ring[k].position - 1];
+    }
+    face_cut(cut);
+    for (size_t k = 0; k < 3 * m; k++) fan[k] = ring[cut->triangles[k / 3][k % 3]];
+}
+
+static Status cut_faces(Obj *obj)
+{
+    FaceCut *cut = NULL;
+    ObjCorner *ring = NULL;
+    Status status = STATUS_OK;
+    for (size_t i = 0, m; i < obj->n_lines && status == STATUS_OK; i += m) {
+        for (m = 1; i + m < obj->n_lines && obj->lines[i + m] == obj->lines[i];) m++;
+        if (m == 1 || m + 2 > FACE_MOST_CORNERS) continue;
+        if (!cut) cut = malloc(sizeof *cut);
+        if (!ring) ring = malloc(FACE_MOST_CORNERS * sizeof *ring);
+        if (cut && ring)
+            cut_face(obj, i, m, cut, ring);
+        else
+            status = fail_memory(obj->error, sizeof *cut, "the faces of a mesh");
+    }
+    free(cut);
+    free(ring);
+    return status;
+}
+
 /* Faces that use positions alone: the vertices are the positions. */
 static Status make_plain_mesh(Obj *obj, Mesh **mesh)
 {
@@ -377,6 +413,7 @@ Status mesh_load_obj(const char *path, MeshSource *source, Mesh **mesh, Error *e
     Obj obj = {.path = path, .source = source, .error = error, .at = bytes, .end = bytes + length};
     Status status = read_lines(&obj);
     free(bytes);
+    if (status == STATUS_OK) status = cut_faces(&obj);
     if (status == STATUS_OK)
         status = obj.uses_uvs || obj.uses_normals ? make_full_mesh(&obj, mesh) : make_plain_mesh(&obj, mesh);
     free(obj.positions);

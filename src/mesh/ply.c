@@ -9,6 +9,7 @@
 #include "base/array.h"
 #include "base/file.h"
 #include "base/num.h"
+#include "mesh/face.h"
 #include "mesh/mesh_file.h"
 
 enum {
@@ -83,6 +84,8 @@ typedef struct Ply {
     uint64_t n_vertices;
     Mesh *mesh;
     size_t n_triangles, triangle_capacity;
+    bool has_vertices; /* they were read */
+    FaceCut cut;
 } Ply;
 
 /* The next word of the header's line; "" at its end. Too long a word is cut, which matches no keyword. */
@@ -455,7 +458,21 @@ static inline Status add_triangle(Ply *ply, uint32_t a, uint32_t b, uint32_t c)
     return STATUS_OK;
 }
 
-/* One polygon, as a fan from its first corner. */
+/* Makes of the fan of m triangles that was added last what covers its polygon. */
+static void cut_polygon(Ply *ply, size_t m)
+{
+    uint32_t(*fan)[3] = ply->mesh->triangles + (ply->n_triangles - m), ring[MAX_CORNERS];
+    ply->cut.n = (uint32_t)m + 2;
+    for (size_t k = 0; k < m + 2; k++) {
+        ring[k] = k < 2 ? fan[0][k] : fan[k - 2][2];
+        ply->cut.corners[k] = ply->mesh->positions[ring[k]];
+    }
+    face_cut(&ply->cut);
+    for (size_t i = 0; i < m; i++)
+        for (size_t k = 0; k < 3; k++) fan[i][k] = ring[ply->cut.triangles[i][k]];
+}
+
+/* One polygon. Of a file that has its faces first, a fan from its first corner. */
 static Status read_polygon(Ply *ply, const PlyElement *element, uint64_t i, const PlyProperty *property)
 {
     uint64_t n = 0;
@@ -485,6 +502,7 @@ static Status read_polygon(Ply *ply, const PlyElement *element, uint64_t i, cons
         if (k == 0) first = vertex;
         last = vertex;
     }
+    if (n > 3 && ply->has_vertices) cut_polygon(ply, (size_t)n - 2);
     return STATUS_OK;
 }
 
@@ -509,7 +527,7 @@ static Status read_body(Ply *ply)
         switch (element->kind) {
         case PLY_VERTEX:
             TRY(read_vertices(ply, element));
-            vertices = true;
+            ply->has_vertices = vertices = true;
             break;
         case PLY_FACE:
             TRY(read_faces(ply, element));

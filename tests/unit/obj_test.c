@@ -45,6 +45,72 @@ static void test_corners_of_all_kinds(void **state)
     mesh_free(mesh);
 }
 
+/* Twice the area of a triangle, seen from +z. */
+static double area_of(const Mesh *mesh, uint32_t triangle)
+{
+    const uint32_t *t = mesh->triangles[triangle];
+    Vec3 a = vec3_from_f(mesh->positions[t[0]]), b = vec3_from_f(mesh->positions[t[1]]);
+    return vec3_cross(vec3_sub(b, a), vec3_sub(vec3_from_f(mesh->positions[t[2]]), a)).z;
+}
+
+/* Triangles that cover a polygon and nothing else: as large together, and none turned over. Whichever corner is the first, whether
+ * positions are before or behind the face. */
+static void test_hollows(void **state)
+{
+    (void)state;
+    static const struct {
+        uint32_t n;
+        double twice_area;
+        float at[12][2];
+    } outlines[] = {
+        {4, 2, {{0, 0}, {2, 1}, {0, 2}, {1, 1}}},
+        {5, 4.6, {{0, 0}, {2, 0}, {2, 2}, {1, .3F}, {0, 2}}},
+        {7, 10, {{0, 0}, {1, 0}, {3, 0}, {3, 1}, {1, 1}, {1, 3}, {0, 3}}},
+        {8, 4.8, {{0, 2}, {-.3F, .3F}, {-2, 0}, {-.3F, -.3F}, {0, -2}, {.3F, -.3F}, {2, 0}, {.3F, .3F}}},
+        /* a square with a hole, which a line leads to */
+        {10, 24, {{0, 0}, {4, 0}, {4, 4}, {0, 4}, {0, 0}, {1, 1}, {1, 3}, {3, 3}, {3, 1}, {1, 1}}},
+    };
+    for (size_t i = 0; i < COUNT_OF(outlines); i++)
+        for (uint32_t first = 0; first < 2 * outlines[i].n; first++) {
+            char text[1000], face[100] = "f", *end = text;
+            uint32_t n = outlines[i].n;
+            for (uint32_t k = 0; k < n; k++) {
+                const float *at = outlines[i].at[k];
+                end += sprintf(end, "v %.9g %.9g %.9g\n", (double)at[0], (double)at[1], .1 * (double)at[0]);
+                sprintf(face + strlen(face), " %u", (first + k) % n + 1);
+            }
+            bool ahead = first >= n;
+            memmove(text + (ahead ? strlen(face) + 1 : 0), text, strlen(text) + 1);
+            if (ahead) {
+                memcpy(text, face, strlen(face));
+                text[strlen(face)] = '\n';
+            } else {
+                strcat(text, face);
+            }
+            Mesh *mesh = load(text);
+            assert_int_equal(mesh->n_triangles, n - 2);
+            double sum = 0, least = 1;
+            for (uint32_t k = 0; k < n - 2; k++) {
+                sum += area_of(mesh, k);
+                least = double_min(least, area_of(mesh, k));
+            }
+            if (fabs(sum - outlines[i].twice_area) > 1e-5 || least < 0)
+                fail_msg("outline %zu from corner %u: area %g, least %g", i, first, sum, least);
+            mesh_free(mesh);
+        }
+}
+
+static void test_fans(void **state)
+{
+    (void)state;
+    Mesh *mesh = load("v 0 0 0\nv 1 0 0\nv 2 1 0\nv 1 2 0\nv 0 1 0\nv 0 .5 0\nf 2 3 4 5 6 1\nf 1 2 3 \\\n4 5\n"
+                      "f 2 2 2 2\n");
+    const uint32_t expected[][3] = {{1, 2, 3}, {1, 3, 4}, {1, 4, 5}, {1, 5, 0}, {0, 1, 2}, {0, 2, 3}, {0, 3, 4}};
+    assert_true(mesh->n_triangles >= COUNT_OF(expected));
+    assert_memory_equal(mesh->triangles, expected, sizeof expected);
+    mesh_free(mesh);
+}
+
 static void test_numbers_ahead(void **state)
 {
     (void)state;
@@ -111,6 +177,7 @@ int main(void)
         cmocka_unit_test(test_cube),          cmocka_unit_test(test_corners_of_all_kinds),
         cmocka_unit_test(test_numbers_ahead), cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_noise),         cmocka_unit_test(test_parts),
+        cmocka_unit_test(test_hollows),       cmocka_unit_test(test_fans),
     };
     mesh_name = "mesh.obj";
     return cmocka_run_group_tests(tests, make_folder, remove_folder);

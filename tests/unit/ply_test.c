@@ -225,6 +225,24 @@ static void test_round_trip(void **state)
     mesh_free(sphere);
 }
 
+static void test_hollow(void **state)
+{
+    (void)state;
+    static const char vertices[] = "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n",
+                      faces[] = "element face 1\nproperty list uchar int vertex_indices\n",
+                      places[] = "0 0 0\n2 1 0\n0 2 0\n1 1 0\n";
+    char text[500];
+    const uint32_t cut[][3] = {{3, 0, 1}, {2, 3, 1}}, fan[][3] = {{0, 1, 2}, {0, 2, 3}};
+    for (int first = 0; first < 2; first++) { /* where faces stand first, nothing is known of their corners */
+        snprintf(text, sizeof text, "ply\nformat ascii 1.0\n%s%send_header\n%s%s", first ? faces : vertices,
+                 first ? vertices : faces, first ? "4 0 1 2 3\n" : places, first ? places : "4 0 1 2 3\n");
+        Mesh *mesh = load(text);
+        assert_int_equal(mesh->n_triangles, 2);
+        assert_memory_equal(mesh->triangles, first ? fan : cut, sizeof cut);
+        mesh_free(mesh);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -235,6 +253,7 @@ int main(void)
         cmocka_unit_test(test_header_refusals),
         cmocka_unit_test(test_body_refusals),
         cmocka_unit_test(test_round_trip),
+        cmocka_unit_test(test_hollow),
     };
     mesh_name = "mesh.ply";
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
