@@ -192,6 +192,9 @@ char *import_picture(Importer *im, const MeshPicture *picture, const char *key, 
     if (!name.length) return NULL;
     if (picture->second_uvs)
         import_note(im, "its picture lies on coordinates of their own in the file, and on the first ones here");
+    if (picture->other_wrap_upward)
+        import_note(
+            im, "beyond its edges its picture goes on in another way upwards than to the sides: here as to the sides");
     buf_add(&text, "image { file = ");
     value_print_text(&text, name.text);
     if (picture->wrap == PICTURE_WRAP_CLAMP) buf_add(&text, "  wrap = clamp");

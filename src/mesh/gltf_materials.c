@@ -43,11 +43,10 @@ static void read_pair(const json_t *holder, const char *key, double pair[2])
     pair[1] = json_number_value(second);
 }
 
-static PictureWrap wrap_of(const Gltf *gltf, const json_t *texture)
+static PictureWrap wrap_of(const json_t *sampler, const char *key)
 {
     enum { CLAMP_TO_EDGE = 33071, MIRRORED_REPEAT = 33648 };
-    const json_t *sampler = item_of(gltf, texture, "sampler", "samplers", NULL);
-    json_int_t code = json_integer_value(json_object_get(sampler, "wrapS"));
+    json_int_t code = json_integer_value(json_object_get(sampler, key));
     return code == CLAMP_TO_EDGE     ? PICTURE_WRAP_CLAMP
            : code == MIRRORED_REPEAT ? PICTURE_WRAP_MIRROR
                                      : PICTURE_WRAP_REPEAT;
@@ -68,7 +67,9 @@ static void read_picture(const Gltf *gltf, const json_t *material, const Materia
     const char *uri = json_string_value(json_object_get(image, "uri"));
     if (uri && strncmp(uri, "data:", 5) != 0) picture->file = gltf_decode_uri(uri);
     if (!picture->file) picture->image = place < UINT32_MAX - 1 ? (uint32_t)place : UINT32_MAX - 1;
-    picture->wrap = wrap_of(gltf, texture);
+    const json_t *sampler = item_of(gltf, texture, "sampler", "samplers", NULL);
+    picture->wrap = wrap_of(sampler, "wrapS");
+    picture->other_wrap_upward = wrap_of(sampler, "wrapT") != picture->wrap;
     const json_t *moved = json_object_get(json_object_get(info, "extensions"), "KHR_texture_transform");
     const json_t *set = json_object_get(moved, "texCoord");
     if (!set) set = json_object_get(info, "texCoord");

@@ -46,6 +46,7 @@ typedef struct MeshPicture {
     char *file;     /* beside the mesh file, or absolute; owned; NULL: none, or within the mesh file */
     uint32_t image; /* the number among the images of the source; UINT32_MAX: none */
     PictureWrap wrap;
+    bool other_wrap_upward;             /* than that, which is to the sides */
     bool second_uvs;                    /* it lies on other coordinates than the first */
     double offset[2], scale[2], turned; /* of the coordinates, v downward, as KHR_texture_transform has it; radians */
 } MeshPicture;

@@ -389,6 +389,30 @@ static void what_is_left_out_is_told(void **state)
     made_clear(&made);
 }
 
+static void one_wrap_in_place_of_two_is_told(void **state)
+{
+    (void)state;
+    write_bytes(in_folder("a.png"), "", 0);
+    for (int alike = 0; alike < 2; alike++) { /* repeated is what is not said */
+        Buf text = {0};
+        buf_format(&text,
+                   HEAD "\"nodes\": [{\"mesh\": 0}], \"meshes\": [{\"primitives\": [" CLOSED ", \"material\": 0}]}], "
+                        "\"materials\": [{\"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": 0}}}], "
+                        "\"textures\": [{\"source\": 0, \"sampler\": 0}], \"images\": [{\"uri\": \"a.png\"}], "
+                        "\"samplers\": [{\"wrapS\": 33071, \"wrapT\": %d}], " BUFFERS "}",
+                   alike ? 33071 : 10497);
+        Made made;
+        import_only(&made, "model.gltf", buf_text(&text));
+        assert_says(&made, "wrap = clamp");
+        if (alike)
+            assert_null(strstr(buf_text(&made.import.text), "beyond its edges"));
+        else
+            assert_notes(&made, "beyond its edges its picture goes on in another way upwards than to the sides");
+        made_clear(&made);
+        buf_clear(&text);
+    }
+}
+
 static void a_file_with_very_many_materials_is_read_in_part(void **state)
 {
     (void)state;
@@ -598,6 +622,7 @@ int main(void)
         cmocka_unit_test(whatever_a_material_says_a_scene_comes_of_it),
         cmocka_unit_test(lights_and_cameras_stand_where_the_file_has_them),
         cmocka_unit_test(what_is_left_out_is_told),
+        cmocka_unit_test(one_wrap_in_place_of_two_is_told),
         cmocka_unit_test(a_file_with_very_many_materials_is_read_in_part),
         cmocka_unit_test(long_descriptions_are_whole),
         cmocka_unit_test(lights_beyond_all_measure_are_left_out),
