@@ -281,7 +281,8 @@ Status gltf_open(Gltf *gltf)
 {
     TRY(file_read(gltf->path, 0, &gltf->file, &gltf->file_length, gltf->error));
     if (gltf->file_length >= GLB_HEADER && memcmp(gltf->file, "glTF", 4) == 0) return open_binary(gltf);
-    TRY(parse_json(gltf, gltf->file, gltf->file_length));
+    const char *end = gltf->file + gltf->file_length, *text = mesh_text_begin(gltf->file, end);
+    TRY(parse_json(gltf, text, (size_t)(end - text)));
     return load_buffers(gltf, NULL, 0);
 }
 

@@ -220,8 +220,9 @@ static void end_material(Library *library)
 static void read_lines(const char *bytes, size_t length, const char *folder, MeshSource *source)
 {
     Library library = {.source = source, .folder = folder};
-    library.by_blender = length > 9 && memcmp(bytes, "# Blender", 9) == 0;
-    for (const char *at = bytes, *end = bytes + length; at < end;) {
+    const char *end = bytes + length, *at = mesh_text_begin(bytes, end);
+    library.by_blender = end - at > 9 && memcmp(at, "# Blender", 9) == 0;
+    while (at < end) {
         const char *newline = memchr(at, '\n', (size_t)(end - at));
         Line line = {at, newline ? newline : end};
         at = newline ? newline + 1 : end;

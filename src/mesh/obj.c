@@ -410,7 +410,8 @@ Status mesh_load_obj(const char *path, MeshSource *source, Mesh **mesh, Error *e
     char *bytes = NULL;
     size_t length = 0;
     TRY(file_read(path, 0, &bytes, &length, error));
-    Obj obj = {.path = path, .source = source, .error = error, .at = bytes, .end = bytes + length};
+    Obj obj = {.path = path, .source = source, .error = error, .end = bytes + length};
+    obj.at = mesh_text_begin(bytes, obj.end);
     Status status = read_lines(&obj);
     free(bytes);
     if (status == STATUS_OK) status = cut_faces(&obj);

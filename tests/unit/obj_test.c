@@ -119,6 +119,17 @@ static void test_numbers_ahead(void **state)
     mesh_free(mesh);
 }
 
+static void test_mark_of_utf8(void **state)
+{
+    (void)state;
+    Mesh *mesh = load("\xef\xbb\xbfv 0 0 7\nv 1 0 7\nv 0 1 7\nf 1 2 3\n");
+    assert_int_equal(mesh->n_vertices, 3);
+    assert_near((double)mesh->positions[0].z, 7, 0);
+    mesh_free(mesh);
+    refuse("\xef\xbb\xbf", "has no faces");
+    refuse("\xef\xbb", "has no faces");
+}
+
 static void test_refusals(void **state)
 {
     (void)state;
@@ -178,6 +189,7 @@ int main(void)
         cmocka_unit_test(test_numbers_ahead), cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_noise),         cmocka_unit_test(test_parts),
         cmocka_unit_test(test_hollows),       cmocka_unit_test(test_fans),
+        cmocka_unit_test(test_mark_of_utf8),
     };
     mesh_name = "mesh.obj";
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
