@@ -7,6 +7,11 @@
 #include "mesh/face.h"
 
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/array.h"
+#include "base/hash.h"
 
 /* Puts the corners into a plane, counter-clockwise. false: it has no area. */
 static bool flatten(FaceCut *cut)
@@ -91,7 +96,7 @@ static uint32_t cut_ears(FaceCut *cut, uint32_t *n_triangles, uint32_t *at)
     return left;
 }
 
-void face_cut(FaceCut *cut)
+bool face_cut(FaceCut *cut)
 {
     uint32_t n_triangles = 0, left = cut->n, first = 0;
     bool is_fan = !flatten(cut) || fan_covers(cut);
@@ -102,4 +107,52 @@ void face_cut(FaceCut *cut)
         set_triangle(cut, n_triangles++, first, last, next);
         last = next;
     }
+    return !is_fan;
+}
+
+Status mesh_cut_face(Mesh *mesh, size_t first, size_t n, FaceCut *cut, Error *error)
+{
+    uint32_t(*fan)[3] = mesh->triangles + first;
+    if (n < 2) return STATUS_OK;
+    cut->n = (uint32_t)n + 2;
+    for (size_t k = 0; k < n + 2; k++) {
+        cut->ring[k] = k < 2 ? fan[0][k] : fan[k - 2][2];
+        cut->corners[k] = mesh->positions[cut->ring[k]];
+    }
+    if (!face_cut(cut)) return STATUS_OK;
+    if (!ARRAY_ROOM(mesh->cuts, mesh->cuts_capacity, mesh->n_cuts))
+        return fail_memory(error, 2 * mesh->n_cuts * sizeof *mesh->cuts, "the faces of a mesh");
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < 3; k++) fan[i][k] = cut->ring[cut->triangles[i][k]];
+    mesh->cuts[mesh->n_cuts++] = (MeshCut){(uint32_t)first, (uint32_t)n};
+    return STATUS_OK;
+}
+
+/* The same for triangles that have the same border: edges within count once each way. */
+static uint64_t border_hash(const Mesh *mesh, MeshCut cut)
+{
+    uint64_t sum = 0;
+    for (uint32_t i = cut.first; i < cut.first + cut.n; i++)
+        for (int k = 0; k < 3; k++) {
+            uint64_t from = mesh->triangles[i][k], to = mesh->triangles[i][(k + 1) % 3];
+            sum += hash_u64(from << 32 | to) - hash_u64(to << 32 | from);
+        }
+    return sum;
+}
+
+static void keep_cuts_of(const Mesh *list, const Mesh *mesh, Mesh *then)
+{
+    for (size_t i = 0; i < list->n_cuts; i++) {
+        MeshCut cut = list->cuts[i];
+        uint64_t end = (uint64_t)cut.first + cut.n;
+        if (end > mesh->n_triangles || end > then->n_triangles || border_hash(mesh, cut) != border_hash(then, cut))
+            continue;
+        memcpy(then->triangles[cut.first], mesh->triangles[cut.first], cut.n * sizeof *mesh->triangles);
+    }
+}
+
+void mesh_keep_cuts(const Mesh *mesh, Mesh *then)
+{
+    keep_cuts_of(mesh, mesh, then);
+    keep_cuts_of(then, mesh, then);
 }

@@ -17,6 +17,7 @@ void mesh_free(Mesh *mesh)
     free(mesh->normals);
     free(mesh->uvs);
     free(mesh->triangles);
+    free(mesh->cuts);
     free(mesh);
 }
 

@@ -10,6 +10,11 @@
 #include "base/status.h"
 #include "base/vec3.h"
 
+/* Triangles that follow each other and cover a polygon of the file. */
+typedef struct MeshCut {
+    uint32_t first, n;
+} MeshCut;
+
 /* Owns its arrays. Triangles are counter-clockwise seen from outside. */
 typedef struct Mesh {
     Vec3f *positions; /* n_vertices, with 4 bytes of padding behind the last (Embree reads them) */
@@ -20,6 +25,8 @@ typedef struct Mesh {
     uint32_t n_triangles;
     bool distinct;         /* it is known that no two vertices stand at one place */
     uint32_t grid_columns; /* of a grid of heights, whose cells are cut along the diagonal that is less steep; else 0 */
+    MeshCut *cuts;         /* those that are no fans; of the mesh as it was read */
+    size_t n_cuts, cuts_capacity;
 } Mesh;
 
 void mesh_free(Mesh *mesh); /* the arrays and the mesh itself; NULL is fine */

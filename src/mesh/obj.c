@@ -305,39 +305,6 @@ static Status read_lines(Obj *obj)
     return STATUS_OK;
 }
 
-/* Makes of the fan of m triangles from number `from` on what covers its polygon. */
-static void cut_face(Obj *obj, size_t from, size_t m, FaceCut *cut, ObjCorner *ring)
-{
-    ObjCorner *fan = obj->corners + 3 * from;
-    cut->n = (uint32_t)m + 2;
-    for (size_t k = 0; k < m + 2; k++) {
-        ring[k] = k < 2 ? fan[k] : fan[3 * (k - 2) + 2];
-        cut->corners[k] = obj->positions[ring[k].position - 1];
-    }
-    face_cut(cut);
-    for (size_t k = 0; k < 3 * m; k++) fan[k] = ring[cut->triangles[k / 3][k % 3]];
-}
-
-static Status cut_faces(Obj *obj)
-{
-    FaceCut *cut = NULL;
-    ObjCorner *ring = NULL;
-    Status status = STATUS_OK;
-    for (size_t i = 0, m; i < obj->n_lines && status == STATUS_OK; i += m) {
-        for (m = 1; i + m < obj->n_lines && obj->lines[i + m] == obj->lines[i];) m++;
-        if (m == 1 || m + 2 > FACE_MOST_CORNERS) continue;
-        if (!cut) cut = malloc(sizeof *cut);
-        if (!ring) ring = malloc(FACE_MOST_CORNERS * sizeof *ring);
-        if (cut && ring)
-            cut_face(obj, i, m, cut, ring);
-        else
-            status = fail_memory(obj->error, sizeof *cut, "the faces of a mesh");
-    }
-    free(cut);
-    free(ring);
-    return status;
-}
-
 /* Faces that use positions alone: the vertices are the positions. */
 static Status make_plain_mesh(Obj *obj, Mesh **mesh)
 {
@@ -396,12 +363,38 @@ static Status make_full_mesh(Obj *obj, Mesh **mesh)
     }
     for (size_t i = 0; status == STATUS_OK && i < obj->n_corners; i++)
         made->triangles[i / 3][i % 3] = obj->corners[i].position - 1;
-    if (status == STATUS_OK) status = mesh_normalize_normals(made, obj->error);
     free(unique);
     if (status == STATUS_OK)
         *mesh = made;
     else
         mesh_free(made);
+    return status;
+}
+
+/* Its triangles are fans, one for each face. */
+static Status cut_faces(const Obj *obj, Mesh *mesh)
+{
+    FaceCut *cut = NULL;
+    Status status = STATUS_OK;
+    for (size_t i = 0, n; i < obj->n_lines && status == STATUS_OK; i += n) {
+        for (n = 1; i + n < obj->n_lines && obj->lines[i + n] == obj->lines[i];) n++;
+        if (n == 1 || n + 2 > FACE_MOST_CORNERS) continue;
+        if (!cut) cut = malloc(sizeof *cut);
+        status = cut ? mesh_cut_face(mesh, i, n, cut, obj->error)
+                     : fail_memory(obj->error, sizeof *cut, "the faces of a mesh");
+    }
+    free(cut);
+    return status;
+}
+
+static Status make_mesh(Obj *obj, Mesh **mesh)
+{
+    TRY(obj->uses_uvs || obj->uses_normals ? make_full_mesh(obj, mesh) : make_plain_mesh(obj, mesh));
+    Status status = cut_faces(obj, *mesh);
+    if (status == STATUS_OK) status = mesh_normalize_normals(*mesh, obj->error);
+    if (status == STATUS_OK) return status;
+    mesh_free(*mesh);
+    *mesh = NULL;
     return status;
 }
 
@@ -414,9 +407,7 @@ Status mesh_load_obj(const char *path, MeshSource *source, Mesh **mesh, Error *e
     obj.at = mesh_text_begin(bytes, obj.end);
     Status status = read_lines(&obj);
     free(bytes);
-    if (status == STATUS_OK) status = cut_faces(&obj);
-    if (status == STATUS_OK)
-        status = obj.uses_uvs || obj.uses_normals ? make_full_mesh(&obj, mesh) : make_plain_mesh(&obj, mesh);
+    if (status == STATUS_OK) status = make_mesh(&obj, mesh);
     free(obj.positions);
     free(obj.normals);
     free(obj.uvs);

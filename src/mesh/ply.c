@@ -458,20 +458,6 @@ static inline Status add_triangle(Ply *ply, uint32_t a, uint32_t b, uint32_t c)
     return STATUS_OK;
 }
 
-/* Makes of the fan of m triangles that was added last what covers its polygon. */
-static void cut_polygon(Ply *ply, size_t m)
-{
-    uint32_t(*fan)[3] = ply->mesh->triangles + (ply->n_triangles - m), ring[MAX_CORNERS];
-    ply->cut.n = (uint32_t)m + 2;
-    for (size_t k = 0; k < m + 2; k++) {
-        ring[k] = k < 2 ? fan[0][k] : fan[k - 2][2];
-        ply->cut.corners[k] = ply->mesh->positions[ring[k]];
-    }
-    face_cut(&ply->cut);
-    for (size_t i = 0; i < m; i++)
-        for (size_t k = 0; k < 3; k++) fan[i][k] = ring[ply->cut.triangles[i][k]];
-}
-
 /* One polygon. Of a file that has its faces first, a fan from its first corner. */
 static Status read_polygon(Ply *ply, const PlyElement *element, uint64_t i, const PlyProperty *property)
 {
@@ -502,8 +488,8 @@ static Status read_polygon(Ply *ply, const PlyElement *element, uint64_t i, cons
         if (k == 0) first = vertex;
         last = vertex;
     }
-    if (n > 3 && ply->has_vertices) cut_polygon(ply, (size_t)n - 2);
-    return STATUS_OK;
+    if (!ply->has_vertices) return STATUS_OK;
+    return mesh_cut_face(ply->mesh, ply->n_triangles - (n - 2), n - 2, &ply->cut, ply->error);
 }
 
 static Status read_faces(Ply *ply, const PlyElement *element)

@@ -10,6 +10,7 @@
 
 #include "base/angle.h"
 #include "base/file.h"
+#include "mesh/face.h"
 #include "mesh/mesh_file.h"
 #include "scene/build_parts.h"
 
@@ -370,6 +371,7 @@ static bool load_next(Builder *b, const EvalProp *next, const EvalProp *part, bo
     if (!path) return false;
     build_note_file(b, path);
     if (!load_file(b, next, path, part, smooth, shape, &row->mesh_end)) return false;
+    mesh_keep_cuts(row->mesh, row->mesh_end);
     if (mesh_same_triangles(row->mesh, row->mesh_end)) return true;
     Diagnostic *report =
         diag_report(b->diag, D_MESH_INVALID, next->span,

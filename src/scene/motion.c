@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/array.h"
+#include "mesh/face.h"
 #include "scene/motion_parts.h"
 
 /* ---- which object is which ---- */
@@ -74,9 +75,10 @@ void motion_of_map(Finder *f, uint32_t *motion, const Affine *first, const Affin
     for (uint32_t k = f->key; k < f->n_keys; k++) scene->motions[(size_t)*motion * f->n_keys + k] = *then;
 }
 
-/* Cells of a height field stay cut as they were at first, whatever its heights have come to. */
+/* Cells of a height field, and polygons, stay cut as they were at first, whatever has become of them. */
 static void keep_diagonals(const Mesh *mesh, Mesh *then)
 {
+    mesh_keep_cuts(mesh, then);
     if (mesh->grid_columns == 0 || mesh->grid_columns != then->grid_columns || mesh->n_vertices != then->n_vertices ||
         mesh->n_triangles != then->n_triangles)
         return;

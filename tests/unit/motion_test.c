@@ -444,6 +444,32 @@ static void parts_may_come_to_overlap_a_frame_later(void **state)
     two_frames_close(&frames);
 }
 
+/* A pyramid over a face of four corners, one of which moves inward, so that it is cut another way: the mesh stays the same. */
+static void a_face_that_gets_a_hollow_stays_cut_as_it_was(void **state)
+{
+    (void)state;
+    TwoFrames frames;
+    two_frames_open(&frames);
+    for (int order = 0; order < 2; order++) {
+        for (int frame = 0; frame < 2; frame++) {
+            FILE *file = fopen(frame ? frames.later : frames.now, "w");
+            assert_non_null(file);
+            const char *moved = frame == order ? "2 0 2" : ".5 0 .5";
+            fprintf(file, "v 0 0 0\nv 2 0 0\nv %s\nv 0 0 2\nv .4 1 .4\nf 1 2 3 4\nf 2 1 5\nf 3 2 5\nf 4 3 5\nf 1 4 5\n",
+                    moved);
+            fclose(file);
+        }
+        Fixture scene;
+        fixture_compile(&scene, frames.text, 1);
+        const SceneShape *shape = &scene.scene->shapes[0];
+        assert_int_equal(shape->mesh->n_triangles, 6);
+        assert_non_null(shape->mesh_end);
+        assert_true(mesh_same_triangles(shape->mesh, shape->mesh_end));
+        fixture_clear(&scene);
+    }
+    two_frames_close(&frames);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -463,6 +489,7 @@ int main(void)
         cmocka_unit_test(what_is_dropped_of_a_mesh_is_dropped_a_frame_later),
         cmocka_unit_test(meshes_of_overlapping_parts_move_as_others_do),
         cmocka_unit_test(parts_may_come_to_overlap_a_frame_later),
+        cmocka_unit_test(a_face_that_gets_a_hollow_stays_cut_as_it_was),
     };
     return cmocka_run_group_tests_name("motion", tests, NULL, NULL);
 }

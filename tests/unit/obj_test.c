@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "test.h"
 
+#include "mesh/face.h"
 #include "mesh_reader.h"
 #include "near.h"
 
@@ -100,6 +101,26 @@ static void test_hollows(void **state)
         }
 }
 
+static void test_cuts_are_kept(void **state)
+{
+    (void)state;
+    static const char *const forms[] = {"v 0 0 0\nv 2 1 0\nv 0 2 0\nv 1 1 0\n", "v 0 0 0\nv 2 1 0\nv 0 2 0\nv -1 1 0\n",
+                                        "v 0 0 0\nv 2 1 0\nv 0 2 0\nv 1 1 1\nf 1 2 4\n"};
+    Mesh *meshes[3];
+    for (int i = 0; i < 3; i++) {
+        char text[200];
+        snprintf(text, sizeof text, "%sf 1 2 3%s\nf 1 2 3\n", forms[i], i < 2 ? " 4" : "");
+        meshes[i] = load(text);
+        assert_int_equal(meshes[i]->n_triangles, 3);
+    }
+    assert_false(mesh_same_triangles(meshes[0], meshes[1]));
+    mesh_keep_cuts(meshes[0], meshes[2]);
+    assert_false(mesh_same_triangles(meshes[0], meshes[2]));
+    mesh_keep_cuts(meshes[1], meshes[0]);
+    assert_true(mesh_same_triangles(meshes[0], meshes[1]));
+    for (int i = 0; i < 3; i++) mesh_free(meshes[i]);
+}
+
 static void test_fans(void **state)
 {
     (void)state;
@@ -189,7 +210,7 @@ int main(void)
         cmocka_unit_test(test_numbers_ahead), cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_noise),         cmocka_unit_test(test_parts),
         cmocka_unit_test(test_hollows),       cmocka_unit_test(test_fans),
-        cmocka_unit_test(test_mark_of_utf8),
+        cmocka_unit_test(test_cuts_are_kept), cmocka_unit_test(test_mark_of_utf8),
     };
     mesh_name = "mesh.obj";
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
