@@ -119,10 +119,25 @@ static Status too_many(const Obj *obj, const char *what)
                 what);
 }
 
+/* Whether there are three numbers more, which some writers put behind a position. */
+static bool colors_follow(const Obj *obj)
+{
+    const char *at = obj->at;
+    for (int i = 0; i < 3; i++) {
+        double unused;
+        while (at < obj->end && (*at == ' ' || *at == '\t')) at++;
+        size_t length = num_parse(at, (size_t)(obj->end - at), &unused);
+        if (length == 0) return false;
+        at += length;
+    }
+    return true;
+}
+
 static Status read_position(Obj *obj)
 {
     float v[3];
     TRY(read_floats(obj, 3, 3, v));
+    if (obj->source && obj->n_positions == 0 && colors_follow(obj)) obj->source->left_out |= 1U << MESH_LEFT_COLORS;
     if (obj->n_positions >= most_items) return too_many(obj, "positions");
     if (!ARRAY_ROOM(obj->positions, obj->position_capacity, obj->n_positions))
         return fail_memory(obj->error, obj->n_positions * 2 * sizeof *obj->positions, "the vertices of a mesh");

@@ -85,6 +85,7 @@ typedef struct Ply {
     Mesh *mesh;
     size_t n_triangles, triangle_capacity;
     bool has_vertices; /* they were read */
+    bool has_colors;   /* of vertices, which are passed over */
     FaceCut cut;
 } Ply;
 
@@ -195,6 +196,8 @@ static Status header_property(Ply *ply)
     element->least_size += ply_types[list ? property->count_type : property->type].size;
     for (size_t i = 0; !list && element->kind == PLY_VERTEX && i < COUNT_OF(vertex_roles); i++)
         if (strcmp(name, vertex_roles[i].name) == 0) property->role = vertex_roles[i].role;
+    if (element->kind == PLY_VERTEX && (strcmp(name, "red") == 0 || strcmp(name, "diffuse_red") == 0))
+        ply->has_colors = true;
     if (list && element->kind == PLY_FACE &&
         (strcmp(name, "vertex_indices") == 0 || strcmp(name, "vertex_index") == 0)) {
         if (property->type >= PLY_F32)
@@ -545,6 +548,7 @@ Status mesh_load_ply(const char *path, MeshSource *source, Mesh **mesh, Error *e
     Status status = read_header(ply);
     if (status == STATUS_OK) status = check_header(ply);
     if (status == STATUS_OK) status = read_body(ply);
+    if (source && ply->has_colors) source->left_out |= 1U << MESH_LEFT_COLORS;
     if (status == STATUS_OK)
         *mesh = ply->mesh;
     else
