@@ -215,29 +215,14 @@ static Status turn_outward(const Mesh *mesh, Sheets *sheets, Error *error)
 }
 
 /* Turns the triangles that were marked, and then the normals that point against their triangles. */
-static Status apply_turns(Mesh *mesh, const Sheets *sheets, Error *error)
+static void apply_turns(Mesh *mesh, const Sheets *sheets)
 {
-    float *agreement = mesh->normals ? calloc((size_t)mesh->n_vertices + 1, sizeof *agreement) : NULL;
-    if (mesh->normals && !agreement) return fail_memory(error, mesh->n_vertices * sizeof *agreement, "normals");
-    bool any = false;
     for (uint32_t i = 0; i < mesh->n_triangles; i++) {
-        uint32_t *t = mesh->triangles[i];
-        if (sheets->turned[i]) {
-            uint32_t keep = t[1];
-            t[1] = t[2];
-            t[2] = keep;
-            any = true;
-        }
-        if (!agreement) continue;
-        Vec3 a = vec3_from_f(mesh->positions[t[0]]);
-        Vec3 normal = vec3_cross(vec3_sub(vec3_from_f(mesh->positions[t[1]]), a),
-                                 vec3_sub(vec3_from_f(mesh->positions[t[2]]), a));
-        for (int k = 0; k < 3; k++) agreement[t[k]] += (float)vec3_dot(normal, vec3_from_f(mesh->normals[t[k]]));
+        uint32_t *t = mesh->triangles[i], keep = t[1];
+        if (!sheets->turned[i]) continue;
+        t[1] = t[2];
+        t[2] = keep;
     }
-    for (uint32_t i = 0; any && agreement && i < mesh->n_vertices; i++)
-        if (agreement[i] < 0) mesh->normals[i] = vec3f_negate(mesh->normals[i]);
-    free(agreement);
-    return STATUS_OK;
 }
 
 Status mesh_orient(Mesh *mesh, Pool *pool, bool *mended, Error *error)
@@ -257,11 +242,39 @@ Status mesh_orient(Mesh *mesh, Pool *pool, bool *mended, Error *error)
         while (even && topology_next_edge(&topology, &low, &at, &edge)) even = edge.n % 2 == 0;
         if (even) status = turn_outward(mesh, &sheets, error);
         if (status == STATUS_OK && edges_balance(&topology, &sheets, even)) {
-            status = apply_turns(mesh, &sheets, error);
-            *mended = status == STATUS_OK;
+            apply_turns(mesh, &sheets);
+            *mended = true;
         }
     }
     sheets_clear(&sheets);
     topology_clear(&topology);
     return status;
+}
+
+Status mesh_turn_normals(Mesh *mesh, uint32_t *n_turned, Error *error)
+{
+    /* of both sides of a sheet that share their vertices, nothing is left but rounding */
+    const float clear = 0.01f;
+    *n_turned = 0;
+    if (!mesh->normals) return STATUS_OK;
+    float(*sums)[2] = calloc((size_t)mesh->n_vertices + 1, sizeof *sums); /* for and against, and how much of both */
+    if (!sums) return fail_memory(error, mesh->n_vertices * sizeof *sums, "normals");
+    for (uint32_t i = 0; i < mesh->n_triangles; i++) {
+        const uint32_t *t = mesh->triangles[i];
+        Vec3 a = vec3_from_f(mesh->positions[t[0]]);
+        Vec3 normal = vec3_cross(vec3_sub(vec3_from_f(mesh->positions[t[1]]), a),
+                                 vec3_sub(vec3_from_f(mesh->positions[t[2]]), a));
+        for (int k = 0; k < 3; k++) {
+            float agreement = (float)vec3_dot(normal, vec3_from_f(mesh->normals[t[k]]));
+            sums[t[k]][0] += agreement;
+            sums[t[k]][1] += fabsf(agreement);
+        }
+    }
+    for (uint32_t i = 0; i < mesh->n_vertices; i++) {
+        if (!(sums[i][0] < -clear * sums[i][1])) continue;
+        mesh->normals[i] = vec3f_negate(mesh->normals[i]);
+        ++*n_turned;
+    }
+    free(sums);
+    return STATUS_OK;
 }

@@ -146,9 +146,10 @@ ATTR_NODISCARD Status mesh_take_layers(const Mesh *mesh, const MeshParts *parts,
  * triangles are turned that make it agree with itself. If the mesh is then closed: when the sum of the
  * volumes is negative, everything is turned; a sheet that still encloses negative volume is a cavity and
  * stays so if it is inside the rest of the mesh (by winding number), and is turned outward if it is not. A
- * sheet that encloses positive volume stays. Vertex normals that point against the triangles around them
- * in the end are turned, if any triangle was. */
+ * sheet that encloses positive volume stays. Normals stay, see mesh_turn_normals. */
 ATTR_NODISCARD Status mesh_orient(Mesh *mesh, Pool *pool, bool *mended, Error *error);
+/* Turns vertex normals that point against the triangles around them, and counts them. */
+ATTR_NODISCARD Status mesh_turn_normals(Mesh *mesh, uint32_t *n_turned, Error *error);
 /* Around all vertices. */
 Box3 mesh_bounds(const Mesh *mesh);
 /* Divergence theorem over the triangles, double precision, relative to the mesh's centre. */

@@ -147,13 +147,13 @@ static Status clean(Builder *b, const EvalNode *node, uint32_t shape, MeshReport
 }
 
 /* Turns triangles that face the wrong way. */
-static Status turn(Builder *b, const EvalNode *node, Mesh *mesh, MeshReport *report, Error *error)
+static Status turn(Builder *b, const EvalNode *node, uint32_t shape, MeshReport *report, Error *error)
 {
-    bool inside_out = report->closed && report->inside_out;
+    Mesh *mesh = b->scene->shapes[shape].mesh;
+    bool inside_out = report->closed && report->inside_out, *mended = &b->facts[shape].turned;
     if (report->consistent && !inside_out) return STATUS_OK;
-    bool mended;
-    TRY(mesh_orient(mesh, b->options->pool, &mended, error));
-    if (!mended) return STATUS_OK; /* open_mesh or the like will follow where it matters */
+    TRY(mesh_orient(mesh, b->options->pool, mended, error));
+    if (!*mended) return STATUS_OK; /* open_mesh or the like will follow where it matters */
     if (inside_out)
         diag_report(b->diag, D_MESH_MENDED, node->span, "the mesh was inside out; all of its triangles are turned");
     else
@@ -169,7 +169,7 @@ bool build_finish_mesh(Builder *b, const EvalNode *node, uint32_t shape)
     Error error;
     MeshReport report;
     Status status = clean(b, node, shape, &report, &error);
-    if (status == STATUS_OK) status = turn(b, node, mesh, &report, &error);
+    if (status == STATUS_OK) status = turn(b, node, shape, &report, &error);
     if (!build_succeeded(b, status, &error, node->span)) return false;
     facts->bounds = report.bounds;
     facts->volume = report.volume;
@@ -390,6 +390,21 @@ static double file_scale(const Builder *b, const EvalNode *node, uint32_t shape)
     return unit ? unit->as.number : file_unit_m > 0 ? file_unit_m / b->result.unit_m : 1;
 }
 
+/* Those of the file that point to the inner side of the mesh as it was mended. */
+static bool turn_normals(Builder *b, const EvalNode *node, uint32_t shape)
+{
+    SceneShape *row = &b->scene->shapes[shape];
+    Error error;
+    uint32_t n_turned, n_at_end;
+    Status status = mesh_turn_normals(row->mesh, &n_turned, &error);
+    if (status == STATUS_OK && row->mesh_end) status = mesh_turn_normals(row->mesh_end, &n_at_end, &error);
+    if (!build_succeeded(b, status, &error, node->span)) return false;
+    if (n_turned > row->mesh->n_vertices / 2 && !b->facts[shape].turned)
+        diag_report(b->diag, D_MESH_MENDED, node->span,
+                    "the normals of the mesh pointed to the inner side of its triangles; they are turned");
+    return true;
+}
+
 /* Normals that are made of the mesh as it was mended. */
 static bool make_normals(Builder *b, const EvalNode *node, uint32_t shape)
 {
@@ -417,7 +432,7 @@ static bool load_files(Builder *b, const EvalNode *node, const EvalProp *file, c
         row->mesh_end->n_triangles = row->mesh->n_triangles; /* some may have been dropped */
         memcpy(row->mesh_end->triangles, row->mesh->triangles, row->mesh->n_triangles * sizeof *row->mesh->triangles);
     }
-    return make_normals(b, node, shape);
+    return turn_normals(b, node, shape) && make_normals(b, node, shape);
 }
 
 /* The shape that a file holds; false after reporting. */

@@ -38,6 +38,7 @@ typedef struct ShapeFacts {
     double volume; /* in the shape's own frame */
     Box3 bounds;
     bool closed, consistent, finite;
+    bool turned;          /* triangles of a mesh that looked the wrong way; it is reported */
     bool many_parts;      /* a mesh of several parts, which may overlap */
     uint32_t first_layer; /* see build_layers.c; 0: not looked for so far */
     bool reported_open;

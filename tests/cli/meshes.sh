@@ -241,6 +241,55 @@ run compare 1.exr both.exr --max-rmse 0
 exits 0
 end
 
+begin "meshes: normals that point inward are turned, with the triangles or alone, also of a mesh that deforms"
+ball_file() { # ball_file FILE NORMALS TURN RADIUS: NORMALS 1: outward, -1: inward; TURN 1: the triangles look inward
+    awk -v side="$2" -v turn="$3" -v radius="$4" 'BEGIN {
+        n = 12; pi = atan2(0, -1)
+        for (i = 0; i <= n; i++) for (k = 0; k < 2 * n; k++) {
+            a = pi * i / n; b = pi * k / n
+            x = sin(a) * cos(b); y = cos(a); z = sin(a) * sin(b)
+            print "v", radius * x, radius * y, radius * z "\nvn", side * x, side * y, side * z
+        }
+        for (i = 0; i < n; i++) for (k = 0; k < 2 * n; k++) {
+            p = 2 * n * i + k + 1; q = 2 * n * i + (k + 1) % (2 * n) + 1; r = p + 2 * n; s = q + 2 * n
+            if (i) printf turn ? "f %d//%d %d//%d %d//%d\n" : "f %d//%d %d//%d %d//%d\n", p, p, turn ? r : q, turn ? r : q, turn ? q : r, turn ? q : r
+            if (i < n - 1) printf "f %d//%d %d//%d %d//%d\n", q, q, turn ? r : s, turn ? r : s, turn ? s : r, turn ? s : r
+        }
+    }' > "$1"
+}
+ball_scene() { # ball_scene FILE NEXT
+    echo "meniscus 1.0 unit cm
+camera { from = <1, 2, 8>  to = <0, 0, 0>  fov = 22 ${2:+ shutter = 360} }
+light { shape = distant  from = <1, 2, 1>  to = <0, 0, 0>  radiance = 3000 }
+film { size = <40, 30> }
+render { samples = 16 }
+mesh { surface = surface { ior = 1.5  roughness = .3 }  file = \"$1\" ${2:+next_file = \"$2\"} }" > ball.mns
+    [ -z "${2-}" ] || echo 'animation { frames = 2 }' >> ball.mns
+}
+ball_file right.obj 1 0 1
+ball_file inward.obj -1 0 1
+ball_file inside-out.obj -1 1 1
+ball_file grown.obj 1 0 1.2
+ball_file inside-out-grown.obj -1 1 1.2
+ball_scene right.obj && run render ball.mns -o right.exr -q
+exits 0
+ball_scene inward.obj && run render ball.mns -o inward.exr
+exits 0
+says err "warning: the normals of the mesh pointed to the inner side of its triangles; they are turned [mesh-mended]"
+run compare right.exr inward.exr --max-rmse 1e-5
+exits 0
+ball_scene inside-out.obj && run render ball.mns -o inside-out.exr
+says err "the mesh was inside out; all of its triangles are turned"
+says_not err "the normals"
+run compare right.exr inside-out.exr --max-rmse 1e-5
+exits 0
+ball_scene right.obj grown.obj && run render ball.mns --frame 1 -o growing.exr -q
+exits 0
+ball_scene inside-out.obj inside-out-grown.obj && run render ball.mns --frame 1 -o growing-too.exr -q
+run compare growing.0001.exr growing-too.0001.exr --max-rmse 1e-5
+exits 0
+end
+
 begin "a texture by where a surface faces: on a smooth mesh of a ball as on the ball"
 for shape in "sphere { radius = 1" "isosurface { function = ball  from = vec3(-1.1)  to = vec3(1.1)"; do
     cat > "${shape%% *}.mns" << SCENE

@@ -181,15 +181,20 @@ static void test_orient_mixed_sphere(void **state)
     assert_true(report.closed);
     assert_near(report.volume, volume, 1e-12);
     /* inside out altogether, normals too */
+    uint32_t n_turned;
     turned(mesh);
     for (uint32_t i = 0; i < mesh->n_vertices; i++) mesh->normals[i] = vec3f_negate(mesh->normals[i]);
     assert_int_equal(mesh_orient(mesh, NULL, &mended, NULL), STATUS_OK);
     assert_near(mesh_volume(mesh), volume, 1e-12);
+    assert_int_equal(mesh_turn_normals(mesh, &n_turned, NULL), STATUS_OK);
+    assert_int_equal(n_turned, mesh->n_vertices);
     for (uint32_t i = 0; i < mesh->n_vertices; i++) assert_true(vec3f_dot(mesh->normals[i], mesh->positions[i]) > 0);
     /* triangles inside out, normals right: those stay */
     turned(mesh);
     assert_int_equal(mesh_orient(mesh, NULL, &mended, NULL), STATUS_OK);
     assert_true(mended);
+    assert_int_equal(mesh_turn_normals(mesh, &n_turned, NULL), STATUS_OK);
+    assert_int_equal(n_turned, 0);
     for (uint32_t i = 0; i < mesh->n_vertices; i++) assert_true(vec3f_dot(mesh->normals[i], mesh->positions[i]) > 0);
     mesh_free(mesh);
 }
