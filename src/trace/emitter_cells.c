@@ -122,7 +122,7 @@ static double brightness(const Job *job, unsigned worker, const Emitter *emitter
     Vec3 place = emitter_place(world->compiled, emitter, time, u, &hit);
     Ray ray = ray_make(place, vec3f_negate(hit.normal));
     ray.time = time;
-    Lanes radiance = texture_emission(world, surface, &ray, &hit, wavelengths);
+    Lanes radiance = texture_emission(world, surface, &ray, &hit, 0, wavelengths);
     return (double)lanes_sum(lanes_mul(radiance, weights));
 }
 

@@ -225,7 +225,7 @@ static Lanes sample_emission(const World *world, const SceneSurface *surface, co
         /* only tells the side: patterns are looked up just beneath it */
         hit.normal = emitter->inward ? sample->direction : vec3f_negate(sample->direction);
     }
-    return texture_emission(world, surface, &ray, &hit, query->wavelength_nm);
+    return texture_emission(world, surface, &ray, &hit, 0, query->wavelength_nm);
 }
 
 /* Towards a place of a medium that shines. */
@@ -457,7 +457,8 @@ bool light_reach(const World *world, uint32_t number, double time, Vec3 origin, 
     return light_cut_to_cone(vec3_sub(origin, to_world->t), vec3_from_f(direction), axis, light->cos_none, begin, end);
 }
 
-bool light_radiance_hit(const World *world, const Ray *ray, const Hit *hit, Lanes wavelength_nm, Lanes *radiance)
+bool light_radiance_hit(const World *world, const Ray *ray, const Hit *hit, double footprint, Lanes wavelength_nm,
+                        Lanes *radiance)
 {
     const Scene *scene = world->scene;
     const ObjectLook *look = &world->looks[hit->object];
@@ -473,8 +474,9 @@ bool light_radiance_hit(const World *world, const Ray *ray, const Hit *hit, Lane
         return hit->entering; /* lights shine to one side */
     }
     const SceneSurface *surface = &scene->surfaces[look->surface];
-    *radiance = surface->emission_texture == SCENE_NONE ? spectrum_at(&surface->emission, wavelength_nm)
-                                                        : texture_emission(world, surface, ray, hit, wavelength_nm);
+    *radiance = surface->emission_texture == SCENE_NONE
+                    ? spectrum_at(&surface->emission, wavelength_nm)
+                    : texture_emission(world, surface, ray, hit, footprint, wavelength_nm);
     return true;
 }
 

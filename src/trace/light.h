@@ -101,8 +101,10 @@ bool light_shines_at(const World *world, uint32_t emitter, double time, Vec3 pla
 bool light_reach(const World *world, uint32_t emitter, double time, Vec3 origin, Vec3f direction, double *begin,
                  double *end);
 
-/* Whether the surface that the ray has hit shines, and its radiance towards there. */
-bool light_radiance_hit(const World *world, const Ray *ray, const Hit *hit, Lanes wavelength_nm, Lanes *radiance);
+/* Whether the surface that the ray has hit shines, and its radiance towards there; of a texture the mean over a footprint, as
+ * texture_view has it. */
+bool light_radiance_hit(const World *world, const Ray *ray, const Hit *hit, double footprint, Lanes wavelength_nm,
+                        Lanes *radiance);
 /* The density (per steradian, choice included) with which light_sample, given the same choices, `from` and normal,
  * would have found the place that was hit; 0 for places that are found by chance only. */
 float light_pdf_hit(const World *world, const LightChoices *choices, Vec3 from, Vec3f normal, const Ray *ray,

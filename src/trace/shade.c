@@ -366,7 +366,10 @@ void path_add_emission(Path *path, const Hit *hit)
 {
     const World *world = path->tracer->world;
     Lanes radiance;
-    if (!light_radiance_hit(world, &path->ray, hit, path->wavelengths.nm, &radiance)) return;
+    /* what nothing else than the camera's ray finds: ways that are weighed against each other must find the same */
+    bool alone = path->ray.sight && path->scatter_pdf < 0 && !path_is_in_slabs(path);
+    double footprint = alone ? (double)path->cone_width : 0;
+    if (!light_radiance_hit(world, &path->ray, hit, footprint, path->wavelengths.nm, &radiance)) return;
     float weight = 1; /* against finding it by light sampling */
     if (path->scatter_pdf >= 0) {
         float pdf =

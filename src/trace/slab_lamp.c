@@ -308,7 +308,7 @@ static bool see_surface(const LampLook *l, uint32_t emitter, Vec3 place, const F
     Event event;
     Lanes radiance;
     if (!follow_to_surface(&look, emitter, &event) || !has_met(l, emitter, &look.ray, &event.hit, place) ||
-        !light_radiance_hit(world, &look.ray, &event.hit, look.wavelengths.nm, &radiance))
+        !light_radiance_hit(world, &look.ray, &event.hit, 0, look.wavelengths.nm, &radiance))
         return false;
     uint32_t medium = nest_medium(&look.tracer->list);
     *arrives = lanes_mul(look.beta, path_basic_radiance(world, radiance, medium, look.wavelengths.nm));

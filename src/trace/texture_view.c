@@ -127,10 +127,10 @@ void texture_uv(const World *world, const Ray *ray, const Hit *hit, float uv[2])
 }
 
 Lanes texture_emission(const World *world, const SceneSurface *surface, const Ray *ray, const Hit *hit,
-                       Lanes wavelength_nm)
+                       double footprint, Lanes wavelength_nm)
 {
     TextureView view;
-    texture_view(world, surface, ray, hit, 0, &view);
+    texture_view(world, surface, ray, hit, footprint, &view);
     Lanes light = texture_at(world->scene->textures, surface->emission_texture, &view.at, wavelength_nm);
     return lanes_scale(lanes_clamp(light, 0, HUGE_VALF), surface->emission_factor);
 }

@@ -22,8 +22,8 @@ void texture_view(const World *world, const SceneSurface *surface, const Ray *ra
 /* The coordinates of the surface there, whether it has textures or not: as pictures lie on it. The world has the boxes around
  * meshes, or 0 stands for those of meshes without any. */
 void texture_uv(const World *world, const Ray *ray, const Hit *hit, float uv[2]);
-/* The radiance of a surface whose emission is a texture. */
+/* The radiance of a surface whose emission is a texture; footprint: as above. */
 Lanes texture_emission(const World *world, const SceneSurface *surface, const Ray *ray, const Hit *hit,
-                       Lanes wavelength_nm);
+                       double footprint, Lanes wavelength_nm);
 
 #endif
