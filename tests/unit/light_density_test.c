@@ -77,7 +77,7 @@ static double density_at(const World *world, Vec3 from, Vec3f normal, Vec3f dire
     for (size_t i = 0; i < hits->n; i++) {
         Lanes radiance;
         if (fabs(hits->items[i].cos_normal) > grazing &&
-            light_radiance_hit(world, &ray, &hits->items[i], some_wavelengths(), &radiance))
+            light_radiance_hit(world, &ray, &hits->items[i], 0, some_wavelengths(), &radiance))
             sum += (double)light_pdf_hit(world, world_lights(world), from, normal, &ray, &hits->items[i]);
     }
     return sum;
