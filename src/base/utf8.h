@@ -8,6 +8,9 @@
 
 #define UTF8_INVALID UINT32_MAX
 
+/* How long the mark is that some writers put before a text: 3, or 0. */
+size_t utf8_mark_length(const char *text, size_t length);
+
 /* Decodes the code point at text (length bytes are readable) and returns how many bytes it takes, at least 1
  * unless length is 0. A byte that starts no valid sequence (overlong forms and surrogates included) counts as one
  * byte with *code = UTF8_INVALID. */

@@ -109,6 +109,5 @@ void report_coarse_places(const CompiledScene *compiled, Diag *diag)
     }
     if (first.n && ++n <= REPORT_MOST) report_one(scene, &scene->objects[of], &first, diag);
     free(meets);
-    if (n > REPORT_MOST)
-        diag_report_nowhere(diag, D_COARSE_PLACE, "%u more of the same kind", (unsigned)(n - REPORT_MOST));
+    report_rest(diag, D_COARSE_PLACE, n);
 }

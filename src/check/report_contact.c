@@ -74,17 +74,9 @@ static double good_gap(const CompiledScene *compiled, uint32_t hull, double roun
     return pow(10, ceil(log10(wanted) - 1e-6)) / compiled->scene->unit_m;
 }
 
-/* The first hull of those that one report is of. */
-typedef struct FirstContact {
-    uint32_t hull;
-    Contact contact;
-} FirstContact;
-
-/* n: how many hulls the same place in the text is of that touch what another one is of. */
-static void report_one(const CompiledScene *compiled, const FirstContact *group, uint32_t n, Diag *diag)
+/* n: how many hulls the same place in the text is of, this one the first, that touch what another one is of. */
+static void report_one(const CompiledScene *compiled, uint32_t hull, const Contact *contact, uint32_t n, Diag *diag)
 {
-    uint32_t hull = group->hull;
-    const Contact *contact = &group->contact;
     const SceneObject *object = report_object(compiled, hull), *opaque = &compiled->scene->objects[contact->object];
     Buf area = {0}, gap = {0};
     report_add_area(&area, compiled->scene, contact->area);
@@ -105,9 +97,9 @@ static void report_one(const CompiledScene *compiled, const FirstContact *group,
 void report_contacts(const CompiledScene *compiled, Diag *diag)
 {
     Probe probe;
-    FirstContact groups[REPORT_MOST];
+    Contact groups[REPORT_MOST];
     ReportLikes likes = {.n = 0};
-    uint32_t n_others = 0, n_lines = report_lines_of_each(compiled->n_hulls);
+    uint32_t n_lines = report_lines_of_each(compiled->n_hulls);
     bool any = false, good = probe_init(&probe, compiled, NULL) == STATUS_OK;
     for (uint32_t i = 0; !any && i < compiled->scene->n_objects; i++) any = is_opaque(compiled, i);
     if (n_lines > LINES) n_lines = LINES;
@@ -120,14 +112,13 @@ void report_contacts(const CompiledScene *compiled, Diag *diag)
             good = find_contact(compiled, &probe, h, MORE_LINES, &contact);
         if (contact.n < LEAST_ENDS) continue;
         uint32_t group =
-            report_count_like(&likes, report_object(compiled, h), &compiled->scene->objects[contact.object]);
-        if (group == REPORT_MOST)
-            n_others++;
-        else if (likes.counts[group] == 1)
-            groups[group] = (FirstContact){h, contact};
+            report_count_like(&likes, report_object(compiled, h), &compiled->scene->objects[contact.object], h);
+        if (group < REPORT_MOST && likes.counts[group] == 1) groups[group] = contact;
     }
-    for (uint32_t i = 0; i < likes.n; i++) report_one(compiled, &groups[i], likes.counts[i], diag);
-    if (n_others)
-        diag_report_nowhere(diag, D_OPTICAL_CONTACT, "%u more clear objects touch opaque ones", (unsigned)n_others);
+    for (uint32_t i = 0; i < likes.n; i++)
+        report_one(compiled, (uint32_t)likes.first[i], &groups[i], likes.counts[i], diag);
+    if (likes.n_others)
+        diag_report_nowhere(diag, D_OPTICAL_CONTACT, "%u more clear objects touch opaque ones",
+                            (unsigned)likes.n_others);
     probe_clear(&probe);
 }

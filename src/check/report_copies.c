@@ -40,20 +40,14 @@ static bool same_object(const void *context, uint32_t i, uint32_t k)
            (a->volume > 0 || a->tree != SCENE_NONE || a->shape == b->shape);
 }
 
-/* What one line of the text has placed: where several are, in the order of objects. */
-typedef struct Row {
-    const SceneObject *object;
-    uint32_t n_places, n_objects;
-} Row;
-
-static void report_one(const Row *row, Diag *diag)
+static void report_one(const SceneObject *object, uint32_t n_objects, uint32_t n_places, Diag *diag)
 {
-    Diagnostic *report =
-        row->n_places == 1 ? diag_report(diag, D_SAME_PLACE, row->object->span,
-                                         "%u objects of one kind are here, all at one place", (unsigned)row->n_objects)
-                           : diag_report(diag, D_SAME_PLACE, row->object->span,
-                                         "%u objects of one kind are here at only %u places, several at each",
-                                         (unsigned)row->n_objects, (unsigned)row->n_places);
+    Diagnostic *report = n_places == 1
+                             ? diag_report(diag, D_SAME_PLACE, object->span,
+                                           "%u objects of one kind are here, all at one place", (unsigned)n_objects)
+                             : diag_report(diag, D_SAME_PLACE, object->span,
+                                           "%u objects of one kind are here at only %u places, several at each",
+                                           (unsigned)n_objects, (unsigned)n_places);
     diag_hint(diag, report, "what places them has to differ: in for (i in 1..5), say, translate(<2 * i, 0, 0>)");
 }
 
@@ -62,28 +56,23 @@ void report_copies(const CompiledScene *compiled, const Box3 *bounds, Diag *diag
     const Copies copies = {compiled, bounds};
     const EqualItems items = {&copies, hash_object, same_object};
     const Scene *scene = compiled->scene;
-    uint32_t *first, *n_of = calloc((size_t)scene->n_objects + 1, sizeof *n_of), n_rows = 0, more = 0;
-    Error unused; /* a remark is not worth a failure */
-    Row rows[REPORT_MOST];
+    uint32_t *first, *n_of = calloc((size_t)scene->n_objects + 1, sizeof *n_of);
+    uint32_t n_objects[REPORT_MOST] = {0}; /* of a line, at all of its places */
+    Error unused;                          /* a remark is not worth a failure */
+    ReportLikes likes = {.n = 0};          /* places where there are several, by the line */
     if (!n_of || equal_find(&items, scene->n_objects, "objects at one place", NULL, &first, &unused) != STATUS_OK) {
         free(n_of);
         return;
     }
     for (uint32_t i = 0; i < scene->n_objects; i++) n_of[first[i]]++;
     for (uint32_t i = 0; i < scene->n_objects; i++) {
-        uint32_t k = 0;
         if (n_of[i] < 2) continue;
-        while (k < n_rows && !span_same_place(rows[k].object->span, scene->objects[i].span)) k++;
-        if (k == REPORT_MOST) {
-            more++;
-            continue;
-        }
-        if (k == n_rows) rows[n_rows++] = (Row){.object = &scene->objects[i]};
-        rows[k].n_places++;
-        rows[k].n_objects += n_of[i];
+        uint32_t line = report_count_like(&likes, &scene->objects[i], &scene->objects[i], i);
+        if (line < REPORT_MOST) n_objects[line] += n_of[i];
     }
-    for (uint32_t k = 0; k < n_rows; k++) report_one(&rows[k], diag);
-    if (more) diag_report_nowhere(diag, D_SAME_PLACE, "%u more of the same kind", (unsigned)more);
+    for (uint32_t k = 0; k < likes.n; k++)
+        report_one(&scene->objects[likes.first[k]], n_objects[k], likes.counts[k], diag);
+    report_others(diag, D_SAME_PLACE, likes.n_others);
     free(first);
     free(n_of);
 }

@@ -406,7 +406,7 @@ static void report_held(const Enclosures *e, uint32_t n_things, DiagCode code, D
         else
             diag_hint(diag, report, "let it come through the surface of %s, or remove it", outer->name);
     }
-    if (n > REPORT_MOST) diag_report_nowhere(diag, code, "%u more of the same kind", (unsigned)(n - REPORT_MOST));
+    report_rest(diag, code, n);
 }
 
 /* The opaque object in whose face a flat light lies, at its middle and halfway to two corners, and that it shines into; SCENE_NONE:

@@ -218,14 +218,23 @@ static void print_like_pairs(const CompiledScene *compiled, const ReportGroups *
     buf_clear(&name);
 }
 
-uint32_t report_count_like(ReportLikes *likes, const SceneObject *a, const SceneObject *b)
+void report_others(Diag *diag, DiagCode code, uint32_t n)
+{
+    if (n) diag_report_nowhere(diag, code, "%u more of the same kind", (unsigned)n);
+}
+
+uint32_t report_count_like(ReportLikes *likes, const SceneObject *a, const SceneObject *b, size_t item)
 {
     uint32_t i = 0;
     while (i < likes->n &&
            !(span_same_place(likes->places[i][0], a->span) && span_same_place(likes->places[i][1], b->span)))
         i++;
-    if (i == REPORT_MOST) return i;
+    if (i == REPORT_MOST) {
+        likes->n_others++;
+        return i;
+    }
     if (i == likes->n) {
+        likes->first[i] = item;
         likes->places[i][0] = a->span;
         likes->places[i][1] = b->span;
         likes->counts[likes->n++] = 0;

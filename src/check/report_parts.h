@@ -119,10 +119,19 @@ const SceneObject *report_object(const CompiledScene *compiled, uint32_t hull);
 /* Pairs of what one place in the text is of and what another one is of: one report of each. */
 typedef struct ReportLikes {
     Span places[REPORT_MOST][2];
-    uint32_t counts[REPORT_MOST], n;
+    size_t first[REPORT_MOST];       /* the first item of each group, */
+    uint32_t counts[REPORT_MOST], n; /* and how many it has */
+    uint32_t n_others;               /* for whose groups there was no room */
 } ReportLikes;
-/* Counts one more; returns its group, which is new where the count is 1, or REPORT_MOST: there are too many for another one. */
-uint32_t report_count_like(ReportLikes *likes, const SceneObject *a, const SceneObject *b);
+/* Counts an item more; returns its group, which is new where the count is 1, or REPORT_MOST: it is one of the others. */
+uint32_t report_count_like(ReportLikes *likes, const SceneObject *a, const SceneObject *b, size_t item);
+/* Of n items that there was no room for; nothing of none. */
+void report_others(Diag *diag, DiagCode code, uint32_t n);
+/* Of n items, of which the first few were reported. */
+static inline void report_rest(Diag *diag, DiagCode code, uint32_t n)
+{
+    report_others(diag, code, n > REPORT_MOST ? n - REPORT_MOST : 0);
+}
 /* In units that suit people: "3.20 cm³", "0.1 mm". */
 void report_add_area(Buf *out, const Scene *scene, double area);
 void report_add_volume(Buf *out, const Scene *scene, double volume);

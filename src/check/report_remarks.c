@@ -29,14 +29,9 @@ static bool tally_next(Tally *tally)
     return ++tally->n <= REPORT_MOST;
 }
 
-static void count_others(Remarks *r, DiagCode code, uint32_t n)
-{
-    if (n) diag_report_nowhere(r->diag, code, "%u more of the same kind", (unsigned)n);
-}
-
 static void tally_end(Remarks *r, const Tally *tally)
 {
-    count_others(r, tally->code, tally->n > REPORT_MOST ? tally->n - REPORT_MOST : 0);
+    report_rest(r->diag, tally->code, tally->n);
 }
 
 static bool is_bounded(const Box3 *box)
@@ -80,15 +75,16 @@ static void note_likes(Remarks *r, Diagnostic *report, uint32_t n)
                           (unsigned)(n - 1));
 }
 
-static void remark_one_close_order(Remarks *r, const ReportVerdict *verdict, uint32_t n)
+static void remark_one_close_order(Remarks *r, const HullPair *pair, uint32_t n)
 {
-    const SceneObject *top = report_object(r->compiled, verdict->top);
-    const SceneObject *bottom = report_object(r->compiled, verdict->bottom);
+    const ReportVerdict verdict = report_verdict(r->compiled, pair);
+    const SceneObject *top = report_object(r->compiled, verdict.top);
+    const SceneObject *bottom = report_object(r->compiled, verdict.bottom);
     Diagnostic *report =
-        verdict->rule == NEST_BY_VOLUME
+        verdict.rule == NEST_BY_VOLUME
             ? diag_report(r->diag, D_CLOSE_ORDER, top->span,
                           "%s is on top of %s by their volumes, which differ by %.2g %%", top->name, bottom->name,
-                          100 * report_volumes_differ(r->compiled, verdict))
+                          100 * report_volumes_differ(r->compiled, &verdict))
             : diag_report(r->diag, D_CLOSE_ORDER, top->span, "%s is on top of %s only because it is declared later",
                           top->name, bottom->name);
     note_likes(r, report, n);
@@ -98,21 +94,16 @@ static void remark_one_close_order(Remarks *r, const ReportVerdict *verdict, uin
 
 static void remark_close_order(Remarks *r)
 {
-    ReportVerdict first[REPORT_MOST];
+    const HullPair *pairs = r->compiled->pairs;
     ReportLikes likes = {.n = 0};
-    uint32_t n_others = 0;
     for (size_t i = 0; i < r->compiled->n_pairs; i++) {
         ReportVerdict verdict;
-        if (!is_close_order(r, &r->compiled->pairs[i], &verdict)) continue;
-        uint32_t group = report_count_like(&likes, report_object(r->compiled, verdict.top),
-                                           report_object(r->compiled, verdict.bottom));
-        if (group == REPORT_MOST)
-            n_others++;
-        else if (likes.counts[group] == 1)
-            first[group] = verdict;
+        if (is_close_order(r, &pairs[i], &verdict))
+            (void)report_count_like(&likes, report_object(r->compiled, verdict.top),
+                                    report_object(r->compiled, verdict.bottom), i);
     }
-    for (uint32_t i = 0; i < likes.n; i++) remark_one_close_order(r, &first[i], likes.counts[i]);
-    count_others(r, D_CLOSE_ORDER, n_others);
+    for (uint32_t i = 0; i < likes.n; i++) remark_one_close_order(r, &pairs[likes.first[i]], likes.counts[i]);
+    report_others(r->diag, D_CLOSE_ORDER, likes.n_others);
 }
 
 /* What coordinates tell apart at the corner of a box that is farthest out. */
@@ -145,20 +136,14 @@ static void remark_one_near_coincidence(Remarks *r, const HullPair *pair, uint32
 
 static void remark_near_coincidence(Remarks *r)
 {
-    const HullPair *first[REPORT_MOST];
+    const HullPair *pairs = r->compiled->pairs;
+    const SceneObject *objects = r->scene->objects;
     ReportLikes likes = {.n = 0};
-    uint32_t n_others = 0;
-    for (size_t i = 0; i < r->compiled->n_pairs; i++) {
-        const HullPair *pair = &r->compiled->pairs[i];
-        if (!is_near_coincidence(r, pair)) continue;
-        uint32_t group = report_count_like(&likes, &r->scene->objects[pair->b], &r->scene->objects[pair->a]);
-        if (group == REPORT_MOST)
-            n_others++;
-        else if (likes.counts[group] == 1)
-            first[group] = pair;
-    }
-    for (uint32_t i = 0; i < likes.n; i++) remark_one_near_coincidence(r, first[i], likes.counts[i]);
-    count_others(r, D_NEAR_COINCIDENT, n_others);
+    for (size_t i = 0; i < r->compiled->n_pairs; i++)
+        if (is_near_coincidence(r, &pairs[i]))
+            (void)report_count_like(&likes, &objects[pairs[i].b], &objects[pairs[i].a], i);
+    for (uint32_t i = 0; i < likes.n; i++) remark_one_near_coincidence(r, &pairs[likes.first[i]], likes.counts[i]);
+    report_others(r->diag, D_NEAR_COINCIDENT, likes.n_others);
 }
 
 /* ---- what cannot be seen ---- */

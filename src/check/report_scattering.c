@@ -168,7 +168,6 @@ void report_many_scatterings(const CompiledScene *compiled, double least, Diag *
         double n = count_scatterings(medium, fmax(way, from_camera) * squared);
         if (n >= least && ++n_found <= REPORT_MOST) report_many(compiled, h, n, from_camera > way, diag);
     }
-    if (n_found > REPORT_MOST)
-        diag_report_nowhere(diag, D_MANY_SCATTERINGS, "%u more of the same kind", (unsigned)(n_found - REPORT_MOST));
+    report_rest(diag, D_MANY_SCATTERINGS, n_found);
     report_groups_clear(&groups);
 }

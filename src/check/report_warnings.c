@@ -76,20 +76,14 @@ static void warn_of_gap(const CompiledScene *compiled, const HullPair *pair, uin
 static void warn_of_gaps(const CompiledScene *compiled, Diag *diag)
 {
     const SceneObject *objects = compiled->scene->objects;
-    const HullPair *first[REPORT_MOST];
+    const HullPair *pairs = compiled->pairs;
     ReportLikes likes = {.n = 0};
-    uint32_t n_others = 0;
-    for (size_t i = 0; i < compiled->n_pairs; i++) {
-        const HullPair *pair = &compiled->pairs[i];
-        if (!is_mistake(compiled, pair)) continue;
-        uint32_t group = report_count_like(&likes, &objects[pair->a], &objects[pair->b]);
-        if (group == REPORT_MOST)
-            n_others++;
-        else if (likes.counts[group] == 1)
-            first[group] = pair;
-    }
-    for (uint32_t i = 0; i < likes.n; i++) warn_of_gap(compiled, first[i], likes.counts[i], diag);
-    if (n_others) diag_report_nowhere(diag, D_AIR_GAP, "%u more pairs of objects leave thin gaps", (unsigned)n_others);
+    for (size_t i = 0; i < compiled->n_pairs; i++)
+        if (is_mistake(compiled, &pairs[i]))
+            (void)report_count_like(&likes, &objects[pairs[i].a], &objects[pairs[i].b], i);
+    for (uint32_t i = 0; i < likes.n; i++) warn_of_gap(compiled, &pairs[likes.first[i]], likes.counts[i], diag);
+    if (likes.n_others)
+        diag_report_nowhere(diag, D_AIR_GAP, "%u more pairs of objects leave thin gaps", (unsigned)likes.n_others);
 }
 
 /* ---- hidden objects ---- */

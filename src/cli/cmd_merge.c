@@ -18,6 +18,7 @@ typedef struct MergeRun {
     Output outputs[MOST_OUTPUTS];
     size_t n_outputs;
     Merge merge;
+    ColorLook look; /* with which the picture is shown */
     RenderState state;
     Image image;
     RenderStats stats;
@@ -87,13 +88,12 @@ static Status write_outputs(const MergeRun *run, Error *error)
     unsigned half = run->options->values[OPTION_HALF].place, full = run->options->values[OPTION_FLOAT].place;
     ExrOptions exr = {
         .half = half > full, .attributes = described.items, .n_attributes = described.n, .pool = run->pool};
-    const ColorLook look = look_of(run);
     bool displayed = false;
     for (size_t i = 0; i < run->n_outputs; i++) {
-        TRY(output_write(&run->outputs[i], &run->image, &exr, run->color.config, &look, error));
+        TRY(output_write(&run->outputs[i], &run->image, &exr, run->color.config, &run->look, error));
         displayed |= run->outputs[i].png;
     }
-    if (displayed) output_say_exposure(run->talk, &run->image, &look);
+    if (displayed) output_say_exposure(run->talk, &run->image, &run->look);
     return STATUS_OK;
 }
 
@@ -132,8 +132,8 @@ static Status merge(MergeRun *run, Error *error)
     TRY(merge_open(options->operands, options->n_operands, &run->merge, error));
     TRY(pool_new(options->values[OPTION_THREADS].whole[0], &run->pool, error));
     TRY(merge_read(&run->merge, &run->state, error));
-    const ColorLook look = look_of(run);
-    const Exposure exposure = {look.stops, look.automatic};
+    run->look = look_of(run);
+    const Exposure exposure = {run->look.stops, run->look.automatic};
     TRY(render_state_resolve(&run->state, exposure, run->pool, &run->image, &run->stats, error));
     TRY(write_outputs(run, error));
     summarize(run);

@@ -193,7 +193,7 @@ void lexer_init(Lexer *lexer, Diag *diag, SymbolTable *symbols, uint32_t source)
 {
     const Source *from = &diag->sources->sources[source];
     *lexer = (Lexer){.diag = diag, .symbols = symbols, .source = source, .text = from->text, .length = from->length};
-    if (lexer->length >= 3 && memcmp(lexer->text, "\xef\xbb\xbf", 3) == 0) lexer->at = 3;
+    lexer->at = (uint32_t)utf8_mark_length(lexer->text, lexer->length);
 }
 
 /* ---- blanks and comments ---- */

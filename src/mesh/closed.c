@@ -261,9 +261,7 @@ Status mesh_turn_normals(Mesh *mesh, uint32_t *n_turned, Error *error)
     if (!sums) return fail_memory(error, mesh->n_vertices * sizeof *sums, "normals");
     for (uint32_t i = 0; i < mesh->n_triangles; i++) {
         const uint32_t *t = mesh->triangles[i];
-        Vec3 a = vec3_from_f(mesh->positions[t[0]]);
-        Vec3 normal = vec3_cross(vec3_sub(vec3_from_f(mesh->positions[t[1]]), a),
-                                 vec3_sub(vec3_from_f(mesh->positions[t[2]]), a));
+        Vec3 normal = mesh_area_normal(mesh, i);
         for (int k = 0; k < 3; k++) {
             float agreement = (float)vec3_dot(normal, vec3_from_f(mesh->normals[t[k]]));
             sums[t[k]][0] += agreement;

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/utf8.h"
 
 enum {
     GLB_HEADER = 12,
@@ -281,8 +282,8 @@ Status gltf_open(Gltf *gltf)
 {
     TRY(file_read(gltf->path, 0, &gltf->file, &gltf->file_length, gltf->error));
     if (gltf->file_length >= GLB_HEADER && memcmp(gltf->file, "glTF", 4) == 0) return open_binary(gltf);
-    const char *end = gltf->file + gltf->file_length, *text = mesh_text_begin(gltf->file, end);
-    TRY(parse_json(gltf, text, (size_t)(end - text)));
+    size_t mark = utf8_mark_length(gltf->file, gltf->file_length);
+    TRY(parse_json(gltf, gltf->file + mark, gltf->file_length - mark));
     return load_buffers(gltf, NULL, 0);
 }
 

@@ -227,9 +227,7 @@ Status mesh_normalize_normals(Mesh *mesh, Error *error)
     if (!sums) return fail_memory(error, mesh->n_vertices * sizeof *sums, "the normals of a mesh");
     for (uint32_t i = 0; i < mesh->n_triangles; i++) {
         const uint32_t *t = mesh->triangles[i];
-        Vec3 a = vec3_from_f(mesh->positions[t[0]]);
-        Vec3 n = vec3_cross(vec3_sub(vec3_from_f(mesh->positions[t[1]]), a),
-                            vec3_sub(vec3_from_f(mesh->positions[t[2]]), a));
+        Vec3 n = mesh_area_normal(mesh, i);
         for (int k = 0; k < 3; k++) sums[t[k]] = vec3_add(sums[t[k]], n);
     }
     for (uint32_t i = 0; i < mesh->n_vertices; i++) {

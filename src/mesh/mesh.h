@@ -29,6 +29,14 @@ typedef struct Mesh {
     size_t n_cuts, cuts_capacity;
 } Mesh;
 
+/* Of a triangle, to its outer side; twice its area is its length. */
+static inline Vec3 mesh_area_normal(const Mesh *mesh, uint32_t triangle)
+{
+    const uint32_t *t = mesh->triangles[triangle];
+    Vec3 a = vec3_from_f(mesh->positions[t[0]]);
+    return vec3_cross(vec3_sub(vec3_from_f(mesh->positions[t[1]]), a), vec3_sub(vec3_from_f(mesh->positions[t[2]]), a));
+}
+
 void mesh_free(Mesh *mesh); /* the arrays and the mesh itself; NULL is fine */
 /* A mesh with zeroed arrays of that size; normals and uvs only when asked for. */
 ATTR_NODISCARD Status mesh_new(uint32_t n_vertices, uint32_t n_triangles, bool normals, bool uvs, Mesh **mesh,

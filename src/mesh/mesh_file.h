@@ -3,8 +3,6 @@
 #ifndef MEN_MESH_FILE_H
 #define MEN_MESH_FILE_H
 
-#include <string.h>
-
 #include "mesh/material.h"
 #include "mesh/mesh.h"
 
@@ -117,11 +115,6 @@ ATTR_NODISCARD Status mesh_load_gltf(const char *path, MeshSource *source, Mesh 
 /* For readers. How many bytes of a text to quote that stand where something else should: up to the end of the word, but not all
  * of a long one. 0: there is a blank, or the end. */
 int mesh_text_shown(const char *at, const char *end);
-/* Goes past the mark of UTF-8 that some writers put before a text. */
-static inline const char *mesh_text_begin(const char *at, const char *end)
-{
-    return end - at >= 3 && memcmp(at, "\xef\xbb\xbf", 3) == 0 ? at + 3 : at;
-}
 /* A number of four bytes, the lowest first, on every machine. */
 static inline uint32_t load_le32(const void *at)
 {

@@ -9,6 +9,7 @@
 #include "base/buf.h"
 #include "base/file.h"
 #include "base/num.h"
+#include "base/utf8.h"
 #include "mesh/mesh_file.h"
 
 static const size_t largest_library = (size_t)1 << 24;
@@ -220,7 +221,7 @@ static void end_material(Library *library)
 static void read_lines(const char *bytes, size_t length, const char *folder, MeshSource *source)
 {
     Library library = {.source = source, .folder = folder};
-    const char *end = bytes + length, *at = mesh_text_begin(bytes, end);
+    const char *end = bytes + length, *at = bytes + utf8_mark_length(bytes, length);
     library.by_blender = end - at > 9 && memcmp(at, "# Blender", 9) == 0;
     while (at < end) {
         const char *newline = memchr(at, '\n', (size_t)(end - at));

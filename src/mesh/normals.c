@@ -25,9 +25,7 @@ typedef struct Corners {
 /* Unit; without length where the triangle has no area. */
 static Vec3 face_normal(const Mesh *mesh, uint32_t triangle)
 {
-    const uint32_t *t = mesh->triangles[triangle];
-    Vec3 a = vec3_from_f(mesh->positions[t[0]]), b = vec3_from_f(mesh->positions[t[1]]);
-    Vec3 n = vec3_cross(vec3_sub(b, a), vec3_sub(vec3_from_f(mesh->positions[t[2]]), a));
+    Vec3 n = mesh_area_normal(mesh, triangle);
     double length = vec3_length(n);
     return length > 0 ? vec3_scale(n, 1 / length) : vec3(0, 0, 0);
 }

@@ -11,6 +11,7 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/num.h"
+#include "base/utf8.h"
 #include "mesh/face.h"
 #include "mesh/mesh_file.h"
 
@@ -122,13 +123,13 @@ static Status too_many(const Obj *obj, const char *what)
 /* Whether there are three numbers more, which some writers put behind a position. */
 static bool colors_follow(const Obj *obj)
 {
-    const char *at = obj->at;
+    Obj ahead = *obj;
     for (int i = 0; i < 3; i++) {
         double unused;
-        while (at < obj->end && (*at == ' ' || *at == '\t')) at++;
-        size_t length = num_parse(at, (size_t)(obj->end - at), &unused);
+        skip_blanks(&ahead);
+        size_t length = num_parse(ahead.at, (size_t)(ahead.end - ahead.at), &unused);
         if (length == 0) return false;
-        at += length;
+        ahead.at += length;
     }
     return true;
 }
@@ -419,7 +420,7 @@ Status mesh_load_obj(const char *path, MeshSource *source, Mesh **mesh, Error *e
     size_t length = 0;
     TRY(file_read(path, 0, &bytes, &length, error));
     Obj obj = {.path = path, .source = source, .error = error, .end = bytes + length};
-    obj.at = mesh_text_begin(bytes, obj.end);
+    obj.at = bytes + utf8_mark_length(bytes, length);
     Status status = read_lines(&obj);
     free(bytes);
     if (status == STATUS_OK) status = make_mesh(&obj, mesh);

@@ -14,10 +14,7 @@ Status glance(const World *world, uint32_t width, uint32_t height, Brightness *b
     tracer_init(&tracer, world);
     *brightness = (Brightness){0};
     for (uint32_t i = 0; i < SIDE * SIDE; i++) {
-        FilmSample sample = {.x = (2 * (i % SIDE) + 1) * width / (2 * SIDE),
-                             .y = (2 * (i / SIDE) + 1) * height / (2 * SIDE),
-                             .width = width,
-                             .height = height};
+        FilmSample sample = film_sample_in_cell(i, SIDE, width, height);
         double luminance = 0, covers = 0;
         for (; sample.index < PATHS; sample.index++) {
             float rgb[3], alpha;

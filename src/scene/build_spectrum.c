@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/num.h"
+#include "base/utf8.h"
 #include "optics/spectral_lines.h"
 #include "scene/build_parts.h"
 
@@ -63,8 +64,7 @@ static bool read_rows(Rows *rows, uint32_t source, const char *text, size_t leng
     rows->pairs = ARENA_ARRAY(b->arena, double, 2 * n_lines);
     Span *spans = ARENA_ARRAY(b->arena, Span, n_lines);
     rows->spans = spans;
-    const char *mark = "\xef\xbb\xbf";
-    for (size_t at = strncmp(text, mark, 3) == 0 ? 3 : 0, next; at < length; at = next + 1) {
+    for (size_t at = utf8_mark_length(text, length), next; at < length; at = next + 1) {
         next = at + strcspn(text + at, "\n");
         const char *end = text + at + strcspn(text + at, "#\n"), *begin = skip_gap(text + at, end);
         while (end > begin && is_gap(end[-1])) end--;

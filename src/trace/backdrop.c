@@ -33,11 +33,8 @@ Status backdrop_find(const World *world, double *brightness, Error *error)
     tracer_init(&tracer, world);
     tracer.backdrop = &backdrop;
     for (uint32_t i = 0; i < MOST && backdrop.squares < MOST && !tracer.out_of_memory; i++) {
-        const FilmSample sample = {.x = (2 * (i % SIDE) + 1) * film->width / (2 * SIDE),
-                                   .y = (2 * (i / SIDE) + 1) * film->height / (2 * SIDE),
-                                   .width = film->width,
-                                   .height = film->height,
-                                   .index = i};
+        FilmSample sample = film_sample_in_cell(i, SIDE, film->width, film->height);
+        sample.index = i;
         float rgb[3], alpha;
         trace_sample(&tracer, &sample, rgb, &alpha);
     }

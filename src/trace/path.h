@@ -170,6 +170,15 @@ typedef struct FilmSample {
     uint32_t index;         /* and the sample's number among those of the pixel */
 } FilmSample;
 
+/* The first sample of the pixel in the middle of cell number i of side x side, by rows, that a frame is cut into. */
+static inline FilmSample film_sample_in_cell(uint32_t i, uint32_t side, uint32_t width, uint32_t height)
+{
+    return (FilmSample){.x = (2 * (i % side) + 1) * width / (2 * side),
+                        .y = (2 * (i / side) + 1) * height / (2 * side),
+                        .width = width,
+                        .height = height};
+}
+
 /* Radiance and coverage of one sample of a pixel. rgb: linear working space; alpha: 1 - what would come through of a picture behind
  * this one: 1 where an environment is seen, and anything that does not let light straight on; 0 where nothing is. Where chance decides
  * what a path meets, only its mean is between 0 and 1. What the path did and its faults are added to tracer->counters. */
