@@ -107,6 +107,12 @@ Status file_read(const char *path, size_t limit, char **bytes, size_t *length, E
     return status;
 }
 
+void file_end_lines(char *text, size_t length)
+{
+    if (memchr(text, '\n', length)) return;
+    for (char *at = text; (at = memchr(at, '\r', length - (size_t)(at - text)));) *at = '\n';
+}
+
 FileKind file_kind(const char *path)
 {
     struct stat info;

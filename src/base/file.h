@@ -14,6 +14,10 @@
  * than limit bytes (0: no limit). What is read is noted, see file_reads.h. */
 ATTR_NODISCARD Status file_read(const char *path, size_t limit, char **bytes, size_t *length, Error *error);
 
+/* Of a text without a newline, in place: every carriage return becomes one, as the first Macintosh, and spreadsheets asked for
+ * its kind of text, end lines so. */
+void file_end_lines(char *text, size_t length);
+
 /* FILE_OTHER: a pipe, a device or a socket, of which nobody knows whether it ends. */
 typedef enum FileKind { FILE_NONE, FILE_REGULAR, FILE_FOLDER, FILE_OTHER } FileKind;
 

@@ -252,8 +252,10 @@ void mesh_list_mtl(const char *obj_path, const char *name, MeshSource *source)
     buf_format(&path, "%s%s", folder ? folder : "", name);
     bool there =
         folder && !path.failed && file_kind(buf_text(&path)) == FILE_REGULAR && file_lies_in(buf_text(&path), folder);
-    if (there && file_read(buf_text(&path), largest_library, &bytes, &length, &unused) == STATUS_OK)
+    if (there && file_read(buf_text(&path), largest_library, &bytes, &length, &unused) == STATUS_OK) {
+        file_end_lines(bytes, length);
         read_lines(bytes, length, beside ? beside : "", source);
+    }
     free(bytes);
     buf_clear(&path);
     free(beside);

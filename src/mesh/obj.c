@@ -419,6 +419,7 @@ Status mesh_load_obj(const char *path, MeshSource *source, Mesh **mesh, Error *e
     char *bytes = NULL;
     size_t length = 0;
     TRY(file_read(path, 0, &bytes, &length, error));
+    file_end_lines(bytes, length);
     Obj obj = {.path = path, .source = source, .error = error, .end = bytes + length};
     obj.at = bytes + utf8_mark_length(bytes, length);
     Status status = read_lines(&obj);

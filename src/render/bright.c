@@ -51,8 +51,8 @@ ATTR_COLD static int keep(BrightPixel *pixel, const float rgb[3], uint32_t seen)
         memcpy(pixel->rgb[at], pixel->rgb[at - 1], sizeof held);
     memcpy(pixel->rgb[at], held, sizeof held);
     pixel->least = bright_light(pixel->rgb[BRIGHT_KEPT - 1]);
-    uint32_t below = (1U << 2 * at) - 1;
-    pixel->seen = (pixel->seen & below) | seen << 2 * at | (pixel->seen & ~below) << 2;
+    uint32_t below = (1U << BRIGHT_SEEN_BITS * at) - 1;
+    pixel->seen = (pixel->seen & below) | seen << BRIGHT_SEEN_BITS * at | (pixel->seen & ~below) << BRIGHT_SEEN_BITS;
     return at;
 }
 
@@ -148,7 +148,7 @@ static void join_kept(BrightPixel *pixel, uint32_t *things, const BrightPixel *n
         else
             while (seen < BRIGHT_THINGS && !(pixel->counts[seen] && pixel->things[seen] == next_things[j])) seen++;
         memcpy(pixel->rgb[k], is_own ? own.rgb[i] : next->rgb[j], sizeof pixel->rgb[k]);
-        pixel->seen |= seen << 2 * k;
+        pixel->seen |= seen << BRIGHT_SEEN_BITS * k;
         if (things) things[k] = is_own ? own_things[i] : next_things[j];
         if (is_own)
             i++;

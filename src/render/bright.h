@@ -11,7 +11,7 @@
 #include "render/tally.h"
 #include "trace/path.h"
 
-enum { BRIGHT_KEPT = 8, BRIGHT_THINGS = 3 };
+enum { BRIGHT_KEPT = 8, BRIGHT_THINGS = 4, BRIGHT_SEEN_BITS = 4 };
 /* What is never apart: nothing at all, and lights, which are seen as they are. */
 #define BRIGHT_NOTHING UINT32_MAX
 /* Of a reflectance of 1. */
@@ -20,7 +20,8 @@ typedef struct BrightPixel {
     float rgb[BRIGHT_KEPT][3];                             /* the brightest first; black: none */
     uint32_t things[BRIGHT_THINGS], counts[BRIGHT_THINGS]; /* the first things that any sample saw, and how many did */
     float least;                                           /* light of the last one of those */
-    uint32_t seen; /* two bits for each of the samples, from the lowest: which thing it saw; BRIGHT_THINGS: another */
+    uint32_t
+        seen; /* BRIGHT_SEEN_BITS for each of the samples, from the lowest: which thing it saw; BRIGHT_THINGS: another */
     uint32_t n_reflected;                /* how many samples say something of the reflectance */
     int64_t reflected, reflected_rgb[3]; /* in sum, by BRIGHT_REFLECTED: its mean, and its colour */
 } BrightPixel;
@@ -31,9 +32,15 @@ static inline float bright_light(const float rgb[3])
     return (fabsf(rgb[0]) + fabsf(rgb[1]) + fabsf(rgb[2])) * (1.0f / 3);
 }
 
+/* Of the i-th of these, from what BrightPixel.seen has. */
+static inline uint32_t bright_seen_of(uint32_t seen, int i)
+{
+    return seen >> BRIGHT_SEEN_BITS * i & ((1U << BRIGHT_SEEN_BITS) - 1);
+}
+
 static inline uint32_t bright_seen(const BrightPixel *pixel, int i)
 {
-    return pixel->seen >> 2 * i & 3;
+    return bright_seen_of(pixel->seen, i);
 }
 
 /* What else has to be known of the samples of a pixel that others come before. */

@@ -110,7 +110,7 @@ static void look_at_row(void *context, uint32_t index, unsigned worker)
         looks->lit[i] = looks->plain[i] / reflectance;
         looks->found[i] = (float)light_of(pixel, NULL) / reflectance;
         looks->brightest[i] = bright_light(bright->rgb[0]);
-        looks->seen[i] = (uint16_t)bright->seen;
+        looks->seen[i] = bright->seen;
         for (int c = 0; c < 3; c++)
             looks->colors[c][i] = pixel->n ? (float)((double)pixel->rgb[c] * FILM_UNIT / pixel->n) : 0;
         for (int k = 0; k < BRIGHT_KEPT; k++) looks->lights[i][k] = bright_light(bright->rgb[k]);
@@ -290,16 +290,18 @@ static bool maps_init(Maps *maps)
 {
     size_t n = (size_t)maps->width * maps->height;
     Looks *looks = &maps->looks;
-    float **floats[] = {&looks->shares[0], &looks->shares[1], &looks->shares[2], &looks->plain,      &looks->plain_root,
-                        &looks->around,    &looks->brightest, &looks->lit,       &looks->lit_around, &looks->found,
-                        &looks->colors[0], &looks->colors[1], &looks->colors[2]};
+    float **floats[] = {&looks->plain,     &looks->plain_root, &looks->around, &looks->brightest,
+                        &looks->lit,       &looks->lit_around, &looks->found,  &looks->colors[0],
+                        &looks->colors[1], &looks->colors[2]};
     bool ready = (maps->rows = calloc(maps->height, sizeof *maps->rows)) != NULL;
     for (size_t i = 0; i < COUNT_OF(floats); i++) ready = (*floats[i] = calloc(n, sizeof(float))) != NULL && ready;
     ready = (looks->lights = calloc(n, sizeof *looks->lights)) != NULL && ready;
     ready = (looks->seen = calloc(n, sizeof *looks->seen)) != NULL && ready;
     ready = (looks->few = calloc(n, sizeof *looks->few)) != NULL && ready;
-    for (int k = 0; k < BRIGHT_THINGS; k++)
+    for (int k = 0; k < BRIGHT_THINGS; k++) {
         ready = (looks->things[k] = calloc(n, sizeof *looks->things[k])) != NULL && ready;
+        ready = (looks->shares[k] = calloc(n, sizeof *looks->shares[k])) != NULL && ready;
+    }
     return ready;
 }
 

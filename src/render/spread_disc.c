@@ -51,22 +51,25 @@ enum { BESIDE = 2 };
 static void weights_of(const Looks *looks, const Lone *lone, size_t first, uint32_t n, double *restrict shares,
                        double *restrict weights)
 {
-    const uint32_t *t0 = looks->things[0] + first, *t1 = looks->things[1] + first, *t2 = looks->things[2] + first;
-    const float *s0 = looks->shares[0] + first, *s1 = looks->shares[1] + first, *s2 = looks->shares[2] + first;
-    const float *lit = (lone->by_found ? looks->found : looks->lit) + first;
+    const uint32_t *things[BRIGHT_THINGS];
+    const float *of_things[BRIGHT_THINGS], *lit = (lone->by_found ? looks->found : looks->lit) + first;
     const uint32_t thing = lone->thing;
     const double black = lone->black, slope = lone->slope;
+    for (int k = 0; k < BRIGHT_THINGS; k++) {
+        things[k] = looks->things[k] + first;
+        of_things[k] = looks->shares[k] + first;
+    }
     for (uint32_t i = 0; i < n; i++) {
-        float first_share = s0[i], second_share = s1[i], third_share = s2[i]; /* read in any case: no jumps */
-        float share = t2[i] == thing ? third_share : 0;
-        share = t1[i] == thing ? second_share : share;
-        share = t0[i] == thing ? first_share : share;
+        float share = 0;
+        for (int k = BRIGHT_THINGS - 1; k >= 0; k--) {
+            float own = of_things[k][i]; /* read in any case: no jumps */
+            share = things[k][i] == thing ? own : share;
+        }
         double light = black + slope * (double)lit[i];
         shares[i] = (double)share;
         weights[i] = (double)share * (light < 1 ? light : 1);
     }
 }
-_Static_assert(BRIGHT_THINGS == 3, "the things that are asked for");
 
 static double weight_of(const Looks *looks, const Lone *lone, size_t pixel)
 {
@@ -105,8 +108,8 @@ static uint32_t count_kept(const Maps *maps, const Lone *lone, size_t pixel, uin
     if (looks->brightest[pixel] < lone->least) return 0;
     uint32_t thing = find_thing(looks, pixel, lone->thing);
     if (thing == BRIGHT_THINGS) return 0;
-    for (int i = 0; i < BRIGHT_KEPT && lights[i] >= lone->least; i++, seen >>= 2, kept >>= 1)
-        alike += (seen & 3) == thing && (kept & 1);
+    for (int i = 0; i < BRIGHT_KEPT && lights[i] >= lone->least; i++, kept >>= 1)
+        alike += bright_seen_of(seen, i) == thing && (kept & 1);
     return alike;
 }
 

@@ -104,8 +104,8 @@ static uint32_t lights_of_pixel(const Cells *cells, uint32_t x, uint32_t y, floa
     const Looks *looks = &cells->maps->looks;
     size_t pixel = place_in(cells->maps->area, x, y);
     uint32_t thing = find_thing(looks, pixel, cells->thing), seen = looks->seen[pixel], n = 0;
-    for (int i = 0; thing < BRIGHT_THINGS && i < BRIGHT_KEPT && looks->lights[pixel][i] > 0; i++, seen >>= 2) {
-        if ((seen & 3) != thing || !(looks->few[pixel] >> i & 1)) continue;
+    for (int i = 0; thing < BRIGHT_THINGS && i < BRIGHT_KEPT && looks->lights[pixel][i] > 0; i++) {
+        if (bright_seen_of(seen, i) != thing || !(looks->few[pixel] >> i & 1)) continue;
         if (lights) lights[n] = looks->lights[pixel][i];
         n++;
     }
@@ -493,8 +493,8 @@ static uint32_t count_any(const Cells *cells, uint32_t x, uint32_t y)
     const Looks *looks = &cells->maps->looks;
     size_t pixel = place_in(cells->maps->area, x, y);
     uint32_t thing = find_thing(looks, pixel, cells->thing), seen = looks->seen[pixel], n = 0;
-    for (int i = 0; thing < BRIGHT_THINGS && i < BRIGHT_KEPT && looks->lights[pixel][i] > 0; i++, seen >>= 2)
-        n += (seen & 3) == thing;
+    for (int i = 0; thing < BRIGHT_THINGS && i < BRIGHT_KEPT && looks->lights[pixel][i] > 0; i++)
+        n += bright_seen_of(seen, i) == thing;
     return n;
 }
 

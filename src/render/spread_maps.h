@@ -32,7 +32,7 @@ typedef struct Looks {
     float *found;                 /* likewise all its light, with these samples: what there is of that next to it */
     float *brightest;             /* of its samples, as far as they are kept; */
     float (*lights)[BRIGHT_KEPT]; /* all of these, the brightest first, */
-    uint16_t *seen;               /* and what they saw, as bright_seen() has it; */
+    uint32_t *seen;               /* and what they saw, as bright_seen() has it; */
     uint8_t *few;                 /* a bit for each of them, from the lowest: few of its pixel's are like it */
 } Looks;
 

@@ -135,6 +135,7 @@ bool build_text_file(Builder *b, Span span, const char *name, size_t most_bytes,
         diag_report(b->diag, D_FILE_UNREADABLE, span, "%s", error.text);
         return false;
     }
+    file_end_lines(bytes, file->length);
     SourceSet *sources = b->diag->sources;
     file->text = arena_copy_text(sources->arena, bytes, file->length);
     free(bytes);

@@ -151,6 +151,21 @@ static void test_mark_of_utf8(void **state)
     refuse("\xef\xbb", "has no faces");
 }
 
+static void test_lines_of_other_systems(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {"v 0 0 7\rv 1 0 7\rv 0 1 7\rf 1 2 3",
+                                        "v 0 0 7\r\nv 1 0 7\r\nv 0 1 7\r\nf 1 2 3\r\n"};
+    for (size_t i = 0; i < COUNT_OF(texts); i++) {
+        Mesh *mesh = load(texts[i]);
+        assert_int_equal(mesh->n_vertices, 3);
+        assert_int_equal(mesh->n_triangles, 1);
+        assert_near((double)mesh->positions[2].z, 7, 0);
+        mesh_free(mesh);
+    }
+    refuse("v 0 0 7\rv 1 0\rf 1 2 3\r", ":2: ");
+}
+
 static void test_refusals(void **state)
 {
     (void)state;
@@ -206,11 +221,17 @@ static void test_parts(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_cube),          cmocka_unit_test(test_corners_of_all_kinds),
-        cmocka_unit_test(test_numbers_ahead), cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_noise),         cmocka_unit_test(test_parts),
-        cmocka_unit_test(test_hollows),       cmocka_unit_test(test_fans),
-        cmocka_unit_test(test_cuts_are_kept), cmocka_unit_test(test_mark_of_utf8),
+        cmocka_unit_test(test_cube),
+        cmocka_unit_test(test_corners_of_all_kinds),
+        cmocka_unit_test(test_numbers_ahead),
+        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_noise),
+        cmocka_unit_test(test_parts),
+        cmocka_unit_test(test_hollows),
+        cmocka_unit_test(test_fans),
+        cmocka_unit_test(test_cuts_are_kept),
+        cmocka_unit_test(test_mark_of_utf8),
+        cmocka_unit_test(test_lines_of_other_systems),
     };
     mesh_name = "mesh.obj";
     return cmocka_run_group_tests(tests, make_folder, remove_folder);

@@ -82,6 +82,26 @@ static void a_lone_sample_is_spread(void **state)
     end(&films);
 }
 
+/* Glass, drink, ice and bubbles in one pixel, and one thing more than are told apart, of which nothing is known. */
+static void each_of_many_things_in_a_pixel_is_one(void **state)
+{
+    (void)state;
+    for (uint32_t thing = 1; thing <= BRIGHT_THINGS + 1; thing++) {
+        Films films;
+        begin(&films);
+        for (uint32_t at = 0; at < SIDE * SIDE; at++)
+            for (uint32_t i = 0; i < 64; i++) {
+                float grey = 0.1f + 0.1f * hash_to_unit_f(hash_combine(at, i));
+                add(&films, at % SIDE, at / SIDE, (float[]){grey, grey, grey}, 1 + i % (BRIGHT_THINGS + 1));
+            }
+        add(&films, MIDDLE, 20, (float[]){100, 100, 100}, thing);
+        resolve(&films, whole);
+        assert_int_equal(films.way.samples, thing <= BRIGHT_THINGS);
+        assert_true((brightest(&films.spread) < 0.25f) == (thing <= BRIGHT_THINGS));
+        end(&films);
+    }
+}
+
 /* A lamp in a mirror, say, that the pixel's samples have found as often as it takes; or one that its neighbours have. */
 static void what_is_bright_by_right_stays(void **state)
 {
@@ -959,6 +979,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_lone_sample_is_spread),
+        cmocka_unit_test(each_of_many_things_in_a_pixel_is_one),
         cmocka_unit_test(what_is_bright_by_right_stays),
         cmocka_unit_test(what_would_be_seen_anywhere_stays),
         cmocka_unit_test(what_few_bring_to_the_dark_is_a_haze),
