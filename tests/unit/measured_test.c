@@ -120,6 +120,8 @@ static void files_have_two_columns(void **state)
             "last\r\n",
             0, NULL);
     FILE_IS("400 1\n500 2", 0, NULL);
+    FILE_IS("nm,per mm\r400,1\r500,2\r", 0, NULL);
+    FILE_IS("400 1\rfive 2\r", D_BAD_SPECTRUM, ":2:1: error: a row is");
     FILE_IS("400 1\n500 2 3\n", D_BAD_SPECTRUM, ":2:1: error: a row is");
     FILE_IS("400 1\n  five\n", D_BAD_SPECTRUM, ":2:3: error: a row is");
     FILE_IS("400 1\n500 nan\n", D_BAD_SPECTRUM, ":2:1: error: a row is");
