@@ -3,10 +3,13 @@
 #include <math.h>
 
 #include "cli/commands.h"
+#include "cli/output.h"
 #include "image/compare.h"
+#include "render/brightness.h"
 
-static void print_text(const Comparison *c, bool flip, Buf *out)
+static void print_text(const Comparison *c, double white, bool flip, Buf *out)
 {
+    if (white != 1) buf_format(out, "white           %.6g\n", white);
     buf_format(out, "rmse            %.6g\n", c->rmse);
     buf_format(out, "relative mse    %.6g\n", c->relative_mse);
     buf_format(out, "relative error  %.6g\n", c->relative_error);
@@ -25,10 +28,11 @@ static void add_numbers(JsonWriter *json, const char *key, const double numbers[
     json_end(json);
 }
 
-static void print_json(const Comparison *c, bool flip, Buf *out)
+static void print_json(const Comparison *c, double white, bool flip, Buf *out)
 {
     JsonWriter json = json_writer(out, true);
     json_begin_object(&json);
+    json_add_number(&json, "white", white);
     json_add_number(&json, "rmse", c->rmse);
     json_add_number(&json, "relativeMse", c->relative_mse);
     json_add_number(&json, "relativeError", c->relative_error);
@@ -72,6 +76,13 @@ static Status read_both(const Options *options, const Talk *talk, Image *a, Imag
     return STATUS_OK;
 }
 
+/* What a display shows white of the reference: where its film brightens it, less than 1. */
+static double white_of(const char *path, const Image *image)
+{
+    Brightness brightness = brightness_find(image, 0);
+    return brightness_white(&brightness, output_read_look(path).exposure);
+}
+
 Status cmd_compare(const Options *options, const Talk *talk, Error *error)
 {
     Image a = {0}, b = {0};
@@ -79,12 +90,13 @@ Status cmd_compare(const Options *options, const Talk *talk, Error *error)
     Buf out = {0};
     bool flip = option_given(options, OPTION_FLIP);
     Status status = read_both(options, talk, &a, &b, error);
-    if (status == STATUS_OK) status = image_compare(&a, &b, flip, &comparison, error);
+    double white = status == STATUS_OK ? white_of(options->operands[1], &b) : 1;
+    if (status == STATUS_OK) status = image_compare(&a, &b, white, flip, &comparison, error);
     if (status == STATUS_OK) {
         if (option_given(options, OPTION_JSON))
-            print_json(&comparison, flip, &out);
+            print_json(&comparison, white, flip, &out);
         else if (!talk->quiet)
-            print_text(&comparison, flip, &out);
+            print_text(&comparison, white, flip, &out);
         status = print_out(&out, error);
     }
     if (status == STATUS_OK) status = judge(options, &comparison, error);

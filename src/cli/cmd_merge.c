@@ -72,7 +72,7 @@ static void describe(const MergeRun *run, Described *described)
 static ColorLook look_of(const MergeRun *run)
 {
     const CheckpointNotes *notes = &run->merge.parts[0].notes;
-    ColorLook own = {.stops = 0};
+    ColorLook own = {.alpha = false};
     for (uint32_t i = 0; i < notes->n_attributes; i++) {
         const ImageAttribute *attribute = &notes->attributes[i];
         double value = attribute->type == ATTRIBUTE_FLOAT ? attribute->number : attribute->whole;
@@ -133,8 +133,7 @@ static Status merge(MergeRun *run, Error *error)
     TRY(pool_new(options->values[OPTION_THREADS].whole[0], &run->pool, error));
     TRY(merge_read(&run->merge, &run->state, error));
     run->look = look_of(run);
-    const Exposure exposure = {run->look.stops, run->look.automatic};
-    TRY(render_state_resolve(&run->state, exposure, run->pool, &run->image, &run->stats, error));
+    TRY(render_state_resolve(&run->state, run->look.exposure, run->pool, &run->image, &run->stats, error));
     TRY(write_outputs(run, error));
     summarize(run);
     error->text[0] = 0;

@@ -14,7 +14,7 @@
 
 ColorLook film_look(const SceneFilm *film)
 {
-    return (ColorLook){.stops = film->exposure, .automatic = film->auto_exposure, .alpha = film->alpha};
+    return (ColorLook){.exposure = film->exposure, .alpha = film->alpha};
 }
 
 ColorLook render_look(const RenderRun *run)

@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include "base/file.h"
-#include "base/num.h"
 #include "cli/commands.h"
 #include "cli/preview.h"
 #include "diag/suggest.h"
@@ -54,19 +53,11 @@ typedef struct Viewed {
     ColorLook look; /* what its file says of how it is shown, and then how it is shown */
 } Viewed;
 
-static void find_look(void *context, const char *name, const char *text)
-{
-    double value;
-    if (num_parse(text, strlen(text), &value)) output_find_look(context, name, value);
-}
-
 /* What comes by a pipe is read once, for the picture. */
 static Status read_picture(const char *path, Viewed *viewed, Error *error)
 {
-    Error none;
     TRY(image_read_linear(path, &viewed->image, error));
-    if (file_kind(path) != FILE_REGULAR || exr_visit_attributes(path, find_look, &viewed->look, &none) != STATUS_OK)
-        viewed->look = (ColorLook){.stops = 0};
+    viewed->look = output_read_look(path);
     return STATUS_OK;
 }
 

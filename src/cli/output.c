@@ -11,6 +11,7 @@
 
 #include "base/file.h"
 #include "base/file_reads.h"
+#include "base/num.h"
 #include "render/brightness.h"
 
 enum { FEWEST_DIGITS = 4, LONGEST_NUMBER = 64 };
@@ -205,8 +206,9 @@ ColorLook output_look(const Options *options, const ColorLook *own)
     ColorLook look = *own;
     look.display = option_text(options, OPTION_DISPLAY, NULL);
     look.view = option_text(options, OPTION_VIEW, NULL);
-    if (option_given(options, OPTION_EXPOSURE)) look.stops = options->values[OPTION_EXPOSURE].number;
-    if (option_given(options, OPTION_AUTO_EXPOSURE)) look.automatic = option_is(options, OPTION_AUTO_EXPOSURE, "on");
+    if (option_given(options, OPTION_EXPOSURE)) look.exposure.stops = options->values[OPTION_EXPOSURE].number;
+    if (option_given(options, OPTION_AUTO_EXPOSURE))
+        look.exposure.automatic = option_is(options, OPTION_AUTO_EXPOSURE, "on");
     if (option_given(options, OPTION_ALPHA)) look.alpha = option_is(options, OPTION_ALPHA, "on");
     return look;
 }
@@ -217,8 +219,9 @@ static const char *const exposure_name = "meniscus/exposure", *const automatic_n
 size_t output_note_look(const ColorLook *look, ImageAttribute attributes[OUTPUT_LOOK_ATTRIBUTES])
 {
     size_t n = 0;
-    attributes[n++] = (ImageAttribute){.name = exposure_name, .type = ATTRIBUTE_FLOAT, .number = look->stops};
-    if (look->automatic) attributes[n++] = (ImageAttribute){.name = automatic_name, .type = ATTRIBUTE_INT, .whole = 1};
+    attributes[n++] = (ImageAttribute){.name = exposure_name, .type = ATTRIBUTE_FLOAT, .number = look->exposure.stops};
+    if (look->exposure.automatic)
+        attributes[n++] = (ImageAttribute){.name = automatic_name, .type = ATTRIBUTE_INT, .whole = 1};
     if (look->alpha) attributes[n++] = (ImageAttribute){.name = alpha_name, .type = ATTRIBUTE_INT, .whole = 1};
     return n;
 }
@@ -226,25 +229,42 @@ size_t output_note_look(const ColorLook *look, ImageAttribute attributes[OUTPUT_
 void output_find_look(ColorLook *look, const char *name, double value)
 {
     const OptionRow *exposure = option_row(OPTION_EXPOSURE);
-    if (strcmp(name, exposure_name) == 0 && value >= exposure->low && value <= exposure->high) look->stops = value;
-    if (strcmp(name, automatic_name) == 0) look->automatic = value == 1;
+    if (strcmp(name, exposure_name) == 0 && value >= exposure->low && value <= exposure->high)
+        look->exposure.stops = value;
+    if (strcmp(name, automatic_name) == 0) look->exposure.automatic = value == 1;
     if (strcmp(name, alpha_name) == 0) look->alpha = value == 1;
+}
+
+static void find_look(void *context, const char *name, const char *text)
+{
+    double value;
+    if (num_parse(text, strlen(text), &value)) output_find_look(context, name, value);
+}
+
+ColorLook output_read_look(const char *path)
+{
+    Error none;
+    ColorLook look = {.alpha = false};
+    if (file_kind(path) != FILE_REGULAR || exr_visit_attributes(path, find_look, &look, &none) != STATUS_OK)
+        look = (ColorLook){.alpha = false};
+    return look;
 }
 
 ColorLook output_look_for(const Image *image, const ColorLook *look)
 {
     ColorLook found = *look;
-    if (!look->automatic) return found;
+    if (!look->exposure.automatic) return found;
     Brightness brightness = brightness_find(image, 0);
-    found.stops += brightness_stops(&brightness);
-    found.automatic = false;
+    found.exposure.stops += brightness_stops(&brightness);
+    found.exposure.automatic = false;
     return found;
 }
 
 void output_say_exposure(const Talk *talk, const Image *image, const ColorLook *look)
 {
-    if (look->automatic)
-        talk_remark(talk, "the automatic exposure is the same as: --exposure %g", output_look_for(image, look).stops);
+    if (look->exposure.automatic)
+        talk_remark(talk, "the automatic exposure is the same as: --exposure %g",
+                    output_look_for(image, look).exposure.stops);
 }
 
 /* As PNG files have it: alpha from 0 to 1, and colours not multiplied by it. Where chance found too much of what is behind panes,

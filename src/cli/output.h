@@ -64,6 +64,8 @@ enum { OUTPUT_LOOK_ATTRIBUTES = 3 };
 size_t output_note_look(const ColorLook *look, ImageAttribute attributes[OUTPUT_LOOK_ATTRIBUTES]);
 /* Takes that from an attribute, if it is one of those; value: its number. */
 void output_find_look(ColorLook *look, const char *name, double value);
+/* What a file of a picture has noted of it; what comes by a pipe is read once, for the picture. */
+ColorLook output_read_look(const char *path);
 /* The look of this picture: an automatic exposure in stops. */
 ColorLook output_look_for(const Image *image, const ColorLook *look);
 /* For those who want it again. Nothing where it is not automatic. */

@@ -29,7 +29,8 @@ static Status print_shown(const RenderRun *run, const float *values, Buf *out, E
     Image pixel;
     int rgb[3];
     ColorLook look = render_look(run);
-    if (!image_rgb(&run->image, rgb) || look.automatic) return STATUS_OK; /* the whole picture would say by how much */
+    if (!image_rgb(&run->image, rgb) || look.exposure.automatic)
+        return STATUS_OK; /* the whole picture would say by how much */
     TRY(image_new(1, 1, names, 3, &pixel, error));
     for (int c = 0; c < 3; c++) pixel.pixels[c] = values[rgb[c]];
     Status status = color_view(run->input.color.config, &look, &pixel, error);

@@ -45,7 +45,7 @@ static const char *file_of(const RenderRun *run, bool png)
 static void remark_exposure(const RenderRun *run, const char *what, int stops)
 {
     const char *exr = file_of(run, false), *png = file_of(run, true), *more = stops > 0 ? "more" : "less";
-    double factor = exp2(abs(stops)), exposure = look_of(run).stops + stops;
+    double factor = exp2(abs(stops)), exposure = look_of(run).exposure.stops + stops;
     if (exr)
         talk_remark(run->talk, "%s: give it %.3g times %s light, or: meniscus view %s -o %s --exposure %g", what,
                     factor, more, exr, png ? png : "FILE.png", exposure);
@@ -107,7 +107,7 @@ static void remark_brightness(const RenderRun *run)
     const double black = 1.0 / 64 /* 6 of 255 on a display */, dark = 1.0 / 128, nearly_all = 0.998, grey = 0.18;
     enum { LEAST_PIXELS = 64 };
     if (run->n_rendered) return;
-    Brightness brightness = brightness_find(&run->image, look_of(run).stops);
+    Brightness brightness = brightness_find(&run->image, look_of(run).exposure.stops);
     if (brightness.n < LEAST_PIXELS || !(brightness.mean > 0)) return;
     char what[200];
     const char *part;
@@ -263,7 +263,7 @@ static void summarize_as_json(const RenderRun *run, double seconds)
     json_add_number(&json, "noise", run->noise < 0 ? (double)NAN : run->noise);
     json_add_truth(&json, "stopped", run->stats.stopped);
     json_add_number(&json, "lightSpread", run->stats.spread_light);
-    json_add_number(&json, "exposure", look_of(run).stops);
+    json_add_number(&json, "exposure", look_of(run).exposure.stops);
     json_add_whole(&json, "nestingFaults", run->stats.nesting_faults);
     json_add_number(&json, "seconds", seconds);
     talk_event_end(&json);
@@ -322,7 +322,8 @@ void render_summarize(const RenderRun *run)
         buf_add(&line, " % of the light spread");
     }
     if (run->settings.denoises) buf_add(&line, ", denoised");
-    if (render_look(run).automatic && is_displayed(run)) buf_format(&line, ", exposure %g", look_of(run).stops);
+    if (render_look(run).exposure.automatic && is_displayed(run))
+        buf_format(&line, ", exposure %g", look_of(run).exposure.stops);
     buf_format(&line, ", %llu nesting fault%s) in %s\n", (unsigned long long)stats->nesting_faults,
                plural(stats->nesting_faults), time);
     bool stays = stats->stopped || run->checkpoint.stays;

@@ -81,11 +81,10 @@ Status render_settings_merge(RenderRun *run, Error *error)
     const Options *options = run->options;
     const SceneRender *render = &run->input.scene->render;
     const OptionValue *values = options->values;
-    const ColorLook look = render_look(run);
     run->settings = (RenderSettings){
         .samples = count_of(options, OPTION_SPP, render->samples),
         .noise = option_given(options, OPTION_NOISE) ? values[OPTION_NOISE].number : render->noise,
-        .exposure = {look.stops, look.automatic},
+        .exposure = render_look(run).exposure,
         .adaptive = strcmp(option_text(options, OPTION_ADAPTIVE, render->adaptive ? "on" : "off"), "on") == 0,
         .time_limit_s = values[OPTION_TIME_LIMIT].number,
         .bounces = render->bounces,

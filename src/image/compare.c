@@ -19,7 +19,7 @@ static const double pixels_per_degree = 67; /* [FLIP]: a 0.7 m wide 3840 pixel d
 /* --- FLIP's color spaces --- */
 
 /* White of the matrices below: their row sums. */
-static const double white[3] = {0.950428545, 1.0, 1.088900371};
+static const double white_point[3] = {0.950428545, 1.0, 1.088900371};
 
 static void xyz_from_linear(const double rgb[3], double xyz[3])
 {
@@ -41,7 +41,7 @@ static void ycxcz_from_linear(const double rgb[3], float ycxcz[3])
 {
     double xyz[3];
     xyz_from_linear(rgb, xyz);
-    double x = xyz[0] / white[0], y = xyz[1] / white[1], z = xyz[2] / white[2];
+    double x = xyz[0] / white_point[0], y = xyz[1] / white_point[1], z = xyz[2] / white_point[2];
     ycxcz[0] = (float)(116 * y - 16);
     ycxcz[1] = (float)(500 * (x - y));
     ycxcz[2] = (float)(200 * (y - z));
@@ -50,7 +50,8 @@ static void ycxcz_from_linear(const double rgb[3], float ycxcz[3])
 static void linear_from_ycxcz(const float ycxcz[3], double rgb[3])
 {
     double y = ((double)ycxcz[0] + 16) / 116;
-    double xyz[3] = {(y + (double)ycxcz[1] / 500) * white[0], y * white[1], (y - (double)ycxcz[2] / 200) * white[2]};
+    double xyz[3] = {(y + (double)ycxcz[1] / 500) * white_point[0], y * white_point[1],
+                     (y - (double)ycxcz[2] / 200) * white_point[2]};
     linear_from_xyz(xyz, rgb);
 }
 
@@ -65,7 +66,8 @@ static void hunt_lab_from_linear(const double rgb[3], double lab[3])
 {
     double xyz[3];
     xyz_from_linear(rgb, xyz);
-    double x = lab_curve(xyz[0] / white[0]), y = lab_curve(xyz[1] / white[1]), z = lab_curve(xyz[2] / white[2]);
+    double x = lab_curve(xyz[0] / white_point[0]), y = lab_curve(xyz[1] / white_point[1]),
+           z = lab_curve(xyz[2] / white_point[2]);
     lab[0] = 116 * y - 16;
     lab[1] = 0.01 * lab[0] * 500 * (x - y);
     lab[2] = 0.01 * lab[0] * 200 * (y - z);
@@ -127,6 +129,7 @@ static Kernel feature_kernel(int order)
 typedef struct Plane {
     int width, height;
     size_t n_pixels;
+    double white; /* what is shown as 1 */
 } Plane;
 
 static int clamped(int i, int n)
@@ -185,13 +188,12 @@ static void clear_side(FlipSide *side)
 }
 
 /* The colors as a display of sRGB shows them: cut off to 0..1. */
-static void fill_opponent(const Image *image, const int rgb[3], float *opponent)
+static void fill_opponent(const Plane *plane, const Image *image, const int rgb[3], float *opponent)
 {
-    size_t n_pixels = (size_t)image->width * image->height;
-    for (size_t i = 0; i < n_pixels; i++) {
+    for (size_t i = 0; i < plane->n_pixels; i++) {
         double shown[3];
         for (int c = 0; c < 3; c++) {
-            double v = (double)image->pixels[i * image->n_channels + (size_t)rgb[c]];
+            double v = (double)image->pixels[i * image->n_channels + (size_t)rgb[c]] / plane->white;
             shown[c] = v > 0 ? fmin(v, 1) : 0;
         }
         ycxcz_from_linear(shown, opponent + 3 * i);
@@ -238,7 +240,7 @@ static bool prepare_side(const Plane *plane, const Image *image, const int rgb[3
     side->edges = malloc(plane->n_pixels * sizeof(float));
     side->points = malloc(plane->n_pixels * sizeof(float));
     if (!side->opponent || !side->edges || !side->points) return false;
-    fill_opponent(image, rgb, side->opponent);
+    fill_opponent(plane, image, rgb, side->opponent);
     float *lightness = scratch + 3 * plane->n_pixels;
     for (size_t i = 0; i < plane->n_pixels; i++) lightness[i] = (side->opponent[3 * i] + 16) / 116;
     detect_features(plane, lightness, 1, scratch, side->edges);
@@ -275,10 +277,10 @@ static double mean_flip(const Plane *plane, const FlipSide *a, const FlipSide *b
     return sum / (double)plane->n_pixels;
 }
 
-static Status compare_flip(const Image *a, const int rgb_a[3], const Image *b, const int rgb_b[3], double *flip,
-                           Error *error)
+static Status compare_flip(const Image *a, const int rgb_a[3], const Image *b, const int rgb_b[3], double white,
+                           double *flip, Error *error)
 {
-    Plane plane = {(int)a->width, (int)a->height, (size_t)a->width * a->height};
+    Plane plane = {(int)a->width, (int)a->height, (size_t)a->width * a->height, white};
     float *scratch = malloc(4 * plane.n_pixels * sizeof *scratch);
     FlipSide side_a = {0}, side_b = {0};
     Status status = STATUS_OK;
@@ -300,7 +302,8 @@ static double luminance_at(const Image *image, const int rgb[3], size_t i)
     return luminance_of((double)p[rgb[0]], (double)p[rgb[1]], (double)p[rgb[2]]);
 }
 
-static void compare_sums(const Image *a, const int rgb_a[3], const Image *b, const int rgb_b[3], Comparison *comparison)
+static void compare_sums(const Image *a, const int rgb_a[3], const Image *b, const int rgb_b[3], double dark,
+                         Comparison *comparison)
 {
     double squares = 0, relative = 0, relative_y = 0;
     uint64_t n[3] = {0}, n_y = 0;
@@ -319,7 +322,7 @@ static void compare_sums(const Image *a, const int rgb_a[3], const Image *b, con
                 comparison->mean_a[c] += va;
                 comparison->mean_b[c] += vb;
                 squares += difference * difference;
-                relative += difference * difference / (vb * vb + 0.01);
+                relative += difference * difference / (vb * vb + dark * dark);
                 if (fabs(difference) > comparison->max_difference) {
                     comparison->max_difference = fabs(difference);
                     comparison->max_x = x;
@@ -328,7 +331,7 @@ static void compare_sums(const Image *a, const int rgb_a[3], const Image *b, con
             }
             double ya = luminance_at(a, rgb_a, i), yb = luminance_at(b, rgb_b, i);
             if (!isfinite(ya) || !isfinite(yb)) continue;
-            relative_y += fabs(ya - yb) / sqrt(yb * yb + 0.01);
+            relative_y += fabs(ya - yb) / sqrt(yb * yb + dark * dark);
             n_y++;
         }
     comparison->relative_error = n_y ? relative_y / (double)n_y : 0;
@@ -341,7 +344,7 @@ static void compare_sums(const Image *a, const int rgb_a[3], const Image *b, con
     }
 }
 
-Status image_compare(const Image *a, const Image *b, bool flip, Comparison *comparison, Error *error)
+Status image_compare(const Image *a, const Image *b, double white, bool flip, Comparison *comparison, Error *error)
 {
     *comparison = (Comparison){0};
     if (a->width != b->width || a->height != b->height)
@@ -356,6 +359,6 @@ Status image_compare(const Image *a, const Image *b, bool flip, Comparison *comp
                     "the other is '%s')",
                     color_a ? "second" : "first", color_a ? b->names[0] : a->names[0],
                     color_a ? a->names[0] : b->names[0]);
-    compare_sums(a, rgb_a, b, rgb_b, comparison);
-    return flip ? compare_flip(a, rgb_a, b, rgb_b, &comparison->flip, error) : STATUS_OK;
+    compare_sums(a, rgb_a, b, rgb_b, 0.1 * white, comparison);
+    return flip ? compare_flip(a, rgb_a, b, rgb_b, white, &comparison->flip, error) : STATUS_OK;
 }

@@ -323,7 +323,7 @@ extern "C" Status color_view(const ColorConfig *config, const ColorLook *look, I
             return fail(error, STATUS_USAGE, "the picture has no channels R, G and B to view");
         std::string display_name, view_name;
         TRY(choose_view(config, look->display, look->view, &display_name, &view_name, error));
-        brighten(channels, look->stops, image);
+        brighten(channels, look->exposure.stops, image);
         view_pixels(config, view_processor(config, display_name, view_name), channels, image);
         return STATUS_OK;
     });

@@ -4,6 +4,7 @@
 #ifndef MEN_VIEW_H
 #define MEN_VIEW_H
 
+#include "base/exposure.h"
 #include "image/image.h"
 
 typedef struct ColorConfig ColorConfig;
@@ -22,9 +23,8 @@ const char *color_config_default_view(const ColorConfig *config, const char *dis
 /* How light is shown. */
 typedef struct ColorLook {
     const char *display, *view; /* NULL: the defaults */
-    double stops;               /* by so many it is brightened before; each is twice the light */
-    bool automatic; /* these are beside what the picture asks for: output_look_for() of cli/output.h puts it in */
-    bool alpha;     /* a picture for a display keeps its alpha, and is not over black */
+    Exposure exposure;          /* before that; an automatic one is found by output_look_for() of cli/output.h first */
+    bool alpha;                 /* a picture for a display keeps its alpha, and is not over black */
 } ColorLook;
 
 /* Applies that to R, G, B (and keeps A) of a scene-linear picture of the

@@ -3,6 +3,7 @@
 #ifndef MEN_BRIGHTNESS_H
 #define MEN_BRIGHTNESS_H
 
+#include "base/exposure.h"
 #include "image/image.h"
 
 /* Bands of a quarter of a stop. A luminance of 1 is where their upper half begins. */
@@ -13,12 +14,6 @@ typedef struct Brightness {
     size_t n, n_of[BRIGHTNESS_BANDS]; /* pixels: all, and those of each band */
     double mean;                      /* luminance */
 } Brightness;
-
-/* By how many stops a picture is brightened for a display; automatic: these are beside what the picture asks for. */
-typedef struct Exposure {
-    double stops;
-    bool automatic;
-} Exposure;
 
 /* Notes a pixel's luminance. */
 void brightness_note(Brightness *brightness, double luminance);

@@ -637,10 +637,10 @@ static double end_of_search(const Job *job)
 static Status foresee_dark(const Job *job, double *dark, Error *error)
 {
     const SceneFilm *film = &job->world->scene->film;
-    const Exposure exposure = {film->exposure, film->auto_exposure};
     Brightness brightness = {0};
-    if (exposure.automatic) TRY(glance(job->world, job->settings->width, job->settings->height, &brightness, error));
-    *dark = adapt_dark(&brightness, exposure);
+    if (film->exposure.automatic)
+        TRY(glance(job->world, job->settings->width, job->settings->height, &brightness, error));
+    *dark = adapt_dark(&brightness, film->exposure);
     return STATUS_OK;
 }
 

@@ -242,8 +242,8 @@ void build_film(Builder *b, const EvalNode *node)
     film->width = (uint32_t)size.x;
     film->height = (uint32_t)size.y;
     film->box = strcmp(eval_word(node, "filter"), "box") == 0;
-    film->exposure = eval_number(node, "exposure");
-    film->auto_exposure = eval_truth(node, "auto_exposure");
+    film->exposure.stops = eval_number(node, "exposure");
+    film->exposure.automatic = eval_truth(node, "auto_exposure");
     film->alpha = eval_truth(node, "alpha");
     build_aovs(b, eval_prop(node, "aovs"));
     const EvalProp *output = eval_prop(node, "output");

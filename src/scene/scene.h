@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/arena.h"
+#include "base/exposure.h"
 #include "base/hash.h"
 #include "diag/source.h"
 #include "mesh/mesh.h"
@@ -215,10 +216,9 @@ typedef struct SceneFilm {
     const char *const *outputs;
     uint32_t n_outputs;
     AovSet aovs;
-    double exposure;    /* by so many stops pictures for a display are brighter */
-    bool auto_exposure; /* these are beside what the picture asks for */
-    bool alpha;         /* such pictures keep their alpha, and are not over black */
-    bool box;           /* a pixel is the mean over its own area; else a tent, which reaches half over its neighbours */
+    Exposure exposure; /* of pictures for a display */
+    bool alpha;        /* such pictures keep their alpha, and are not over black */
+    bool box;          /* a pixel is the mean over its own area; else a tent, which reaches half over its neighbours */
 } SceneFilm;
 
 /* Whether light from small lights through clear objects is looked for before rendering. */

@@ -355,6 +355,16 @@ noise_of -D dim=6 --set film.exposure=0 --exposure 6 > asked.txt
 sed -i 's/ in [0-9.]* s$//' bright.txt dim.txt asked.txt
 cmp -s bright.txt dim.txt || flunk "a film that is exposed for less light asks for other samples"
 cmp -s bright.txt asked.txt || flunk "the option asks for other samples than the film"
+for dim in 0 6; do
+    run render room.mns -o "few-$dim.exr" -q -s 4 -D "dim=$dim"
+    run render room.mns -o "many-$dim.exr" -q -s 400 -D "dim=$dim"
+    run compare "few-$dim.exr" "many-$dim.exr" --flip
+    awk '/^(relative|flip)/ { printf "%s %.3g\n", $1, $NF }' out > "compared-$dim.txt"
+done
+cmp -s compared-0.txt compared-6.txt || flunk "compare tells other differences where a film is exposed for less light"
+matches out '^white +0\.015625$'
+run compare few-0.exr many-0.exr
+says_not out white
 run render room.mns -o a.exr -q -D dim=6 --set film.exposure=0 --noise .5% -s 1000 --aov samples && run info a.exr
 matches out '^meniscus/meanSamples +16$'
 run render room.mns -o b.exr -q -D dim=6 --set film.exposure=0 --auto-exposure on --noise .5% -s 1000 --aov samples && run info b.exr

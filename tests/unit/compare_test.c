@@ -49,7 +49,7 @@ static double flip_of(Image a, Image b)
 {
     Comparison comparison;
     Error error = {0};
-    assert_int_equal(image_compare(&a, &b, true, &comparison, &error), STATUS_OK);
+    assert_int_equal(image_compare(&a, &b, 1, true, &comparison, &error), STATUS_OK);
     image_clear(&a);
     image_clear(&b);
     return comparison.flip;
@@ -63,7 +63,7 @@ static void sums_are_what_they_say(void **state)
     Error error = {0};
     for (int i = 0; i < 18; i++) a.pixels[i] = b.pixels[i] = 1;
     a.pixels[3 * 5 + 1] = 4; /* pixel (2, 1), green: 3 more */
-    assert_int_equal(image_compare(&a, &b, false, &comparison, &error), STATUS_OK);
+    assert_int_equal(image_compare(&a, &b, 1, false, &comparison, &error), STATUS_OK);
     assert_near(comparison.rmse, sqrt(9.0 / 18), 1e-12);
     assert_near(comparison.relative_mse, 9 / 1.01 / 18, 1e-12);
     assert_near(comparison.max_difference, 3, 0);
@@ -77,6 +77,26 @@ static void sums_are_what_they_say(void **state)
     image_clear(&b);
 }
 
+/* Pictures of a hundredth of the light, of which a hundredth is white: in relation to it all is the same. */
+static void what_is_relative_goes_by_white(void **state)
+{
+    (void)state;
+    Comparison full, faint;
+    Error error = {0};
+    Image a = pattern(0, 1), b = pattern(1, 1), faint_a = pattern(0, 0.01f), faint_b = pattern(1, 0.01f);
+    assert_int_equal(image_compare(&a, &b, 1, true, &full, &error), STATUS_OK);
+    assert_int_equal(image_compare(&faint_a, &faint_b, 0.01, true, &faint, &error), STATUS_OK);
+    assert_true(full.relative_mse > 0.1 && full.relative_error > 0.1 && full.flip > 0.1);
+    assert_near(faint.relative_mse, full.relative_mse, 1e-5);
+    assert_near(faint.relative_error, full.relative_error, 1e-5);
+    assert_near(faint.flip, full.flip, 1e-5);
+    assert_near(faint.rmse, 0.01 * full.rmse, 1e-6);
+    image_clear(&a);
+    image_clear(&b);
+    image_clear(&faint_a);
+    image_clear(&faint_b);
+}
+
 static void what_is_not_finite_is_counted_and_left_out(void **state)
 {
     (void)state;
@@ -87,13 +107,13 @@ static void what_is_not_finite_is_counted_and_left_out(void **state)
     a.pixels[0] = NAN;
     b.pixels[4] = INFINITY;
     a.pixels[8] = b.pixels[8] = -INFINITY;
-    assert_int_equal(image_compare(&a, &b, true, &comparison, &error), STATUS_OK);
+    assert_int_equal(image_compare(&a, &b, 1, true, &comparison, &error), STATUS_OK);
     assert_true(comparison.n_not_finite == 3);
     assert_near(comparison.rmse, 1, 1e-12);
     assert_near(comparison.mean_b[1], 2, 1e-12);
     assert_true(isfinite(comparison.flip) && comparison.flip >= 0 && comparison.flip <= 1);
     for (int i = 0; i < 12; i++) a.pixels[i] = NAN;
-    assert_int_equal(image_compare(&a, &b, true, &comparison, &error), STATUS_OK);
+    assert_int_equal(image_compare(&a, &b, 1, true, &comparison, &error), STATUS_OK);
     assert_true(comparison.n_not_finite == 12 && comparison.rmse == 0 && comparison.mean_a[0] == 0);
     image_clear(&a);
     image_clear(&b);
@@ -105,10 +125,10 @@ static void other_sizes_and_channels_are_refused(void **state)
     Image a = new_image(4, 1), b = new_image(4, 2), c = new_image(4, 1);
     Comparison comparison;
     Error error = {0};
-    assert_int_equal(image_compare(&a, &b, true, &comparison, &error), STATUS_USAGE);
+    assert_int_equal(image_compare(&a, &b, 1, true, &comparison, &error), STATUS_USAGE);
     assert_non_null(strstr(error.text, "4 x 1 and 4 x 2"));
     memcpy(c.names[2], "Z", 2);
-    assert_int_equal(image_compare(&a, &c, true, &comparison, &error), STATUS_USAGE);
+    assert_int_equal(image_compare(&a, &c, 1, true, &comparison, &error), STATUS_USAGE);
     assert_non_null(strstr(error.text, "the second has no channels R, G and B"));
     image_clear(&a);
     image_clear(&b);
@@ -163,6 +183,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sums_are_what_they_say),
+        cmocka_unit_test(what_is_relative_goes_by_white),
         cmocka_unit_test(what_is_not_finite_is_counted_and_left_out),
         cmocka_unit_test(other_sizes_and_channels_are_refused),
         cmocka_unit_test(flip_of_a_picture_and_itself_is_nought),

@@ -81,7 +81,7 @@ static void stops_are_light(void **state)
         Error error;
         assert_int_equal(image_new(1, 1, names, 3, &image, NULL), STATUS_OK);
         for (int c = 0; c < 3; c++) image.pixels[c] = ldexpf(plain[c], -stops);
-        assert_int_equal(color_view(config, &(ColorLook){.stops = stops}, &image, &error), STATUS_OK);
+        assert_int_equal(color_view(config, &(ColorLook){.exposure = {stops, false}}, &image, &error), STATUS_OK);
         memcpy(rgb, image.pixels, sizeof rgb);
         assert_int_equal(view_pixel(config, NULL, NULL, plain, &error), STATUS_OK);
         for (int c = 0; c < 3; c++) assert_float_equal(rgb[c], plain[c], 1e-6f);
