@@ -85,8 +85,8 @@ ATTR_NODISCARD Status exr_visit_attributes(const char *path,
  * rounding plus a fixed ordered dither (8, so that gradients do not band). Atomic, as exr_write. */
 ATTR_NODISCARD Status png_write(const char *path, const Image *image, unsigned bits, Error *error);
 ATTR_NODISCARD Status png_read(const char *path, Image *image, Error *error);
-/* 8 bits, grey or colour, baseline or progressive, as display-referred R, G, B in 0..1; how a camera was held (EXIF) is not
- * looked at. STATUS_INPUT for CMYK, and for files that are damaged or cut short. */
+/* 8 bits, grey or colour, baseline or progressive, as display-referred R, G, B in 0..1; upright where a camera notes
+ * how it was held (exif.h). STATUS_INPUT for CMYK, and for files that are damaged or cut short. */
 ATTR_NODISCARD Status jpeg_read(const char *path, Image *image, Error *error);
 /* Radiance's pictures (.hdr): mantissas and exponents (RGBE, XYZE), flat or in runs, in any of the eight orders of lines and places.
  * As linear R, G, B, divided by EXPOSURE and COLORCORR; what has other PRIMARIES than Rec.709's, or X, Y, Z, is brought to these, white

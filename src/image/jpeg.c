@@ -9,9 +9,10 @@
 #include <jpeglib.h>
 
 #include "base/file.h"
+#include "image/exif.h"
 #include "image/image.h"
 
-enum { BEST_RATIO = 512 };
+enum { BEST_RATIO = 512, EXIF_MARKER = JPEG_APP0 + 1, LONGEST_MARKER = 0xffff };
 
 typedef struct JpegJob {
     struct jpeg_decompress_struct jpeg;
@@ -44,11 +45,21 @@ static void on_warning(j_common_ptr jpeg, int level)
     if (level < 0) on_error(jpeg);
 }
 
+/* Others than the camera's notes may stand in such a segment as well. */
+static unsigned orientation_of(const struct jpeg_decompress_struct *jpeg)
+{
+    unsigned orientation = 1;
+    for (jpeg_saved_marker_ptr marker = jpeg->marker_list; marker && orientation == 1; marker = marker->next)
+        orientation = exif_orientation(marker->data, marker->data_length);
+    return orientation;
+}
+
 static void read_rows(JpegJob *job)
 {
     static const char *const names[3] = {"R", "G", "B"};
     struct jpeg_decompress_struct *jpeg = &job->jpeg;
     jpeg_mem_src(jpeg, job->bytes, (unsigned long)job->n_bytes);
+    jpeg_save_markers(jpeg, EXIF_MARKER, LONGEST_MARKER);
     jpeg_read_header(jpeg, TRUE);
     /* each block of 8 by 8 pixels takes at least a bit */
     if ((double)jpeg->image_width * jpeg->image_height > 1e6 + BEST_RATIO * (double)job->n_bytes) {
@@ -67,7 +78,8 @@ static void read_rows(JpegJob *job)
         jpeg_read_scanlines(jpeg, &job->row, 1);
         for (size_t i = 0; i < (size_t)jpeg->output_width * 3; i++) *to++ = (float)job->row[i] / 255;
     }
-    jpeg_finish_decompress(jpeg);
+    job->status = image_turn_upright(job->image, orientation_of(jpeg), job->error);
+    if (job->status == STATUS_OK) jpeg_finish_decompress(jpeg);
 }
 
 /* false after a jump: job->reason says why. */
