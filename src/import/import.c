@@ -89,6 +89,28 @@ static void find_floors(Importer *im)
 
 /* ---- text ---- */
 
+/* Libraries that an OBJ file names, and materials that none of them describes. */
+static void note_lost_materials(Importer *im)
+{
+    const MeshSource *source = im->source;
+    Buf name = {0};
+    size_t n = 0;
+    if (source->lost_library) {
+        add_shown(&name, source->lost_library);
+        import_note(im, "its library of materials %s is not beside it, or cannot be read", buf_text(&name));
+        buf_clear(&name);
+    }
+    for (size_t i = 0; i < source->n_parts; i++) {
+        const MeshPart *part = &source->parts[i];
+        if (strcmp(part->kind, "material") != 0 || mesh_source_material_of(source, part)) continue;
+        if (n++ == 0) add_shown(&name, part->name);
+    }
+    if (n == 1) import_note(im, "its material %s is described nowhere, and plain here", buf_text(&name));
+    if (n > 1)
+        import_note(im, "its material %s and %zu more are described nowhere, and plain here", buf_text(&name), n - 1);
+    buf_clear(&name);
+}
+
 static void write_head(Importer *im)
 {
     const MeshSource *source = im->source;
@@ -110,6 +132,7 @@ static void write_head(Importer *im)
     };
     for (int i = 0; i < MESH_LEFT_COUNT; i++)
         if (source->left_out >> i & 1) import_note(im, "%s", left_out[i]);
+    note_lost_materials(im);
     if (im->by_material)
         import_note(im, "it has more than %d objects: those of one material are one object here", IMPORT_MOST_OBJECTS);
     import_write_comment(im);

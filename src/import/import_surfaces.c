@@ -147,27 +147,43 @@ bool import_shines(const MeshMaterial *said)
     return said && !said->unlit && brightness(said) > 0;
 }
 
-static void add_emission(NodeText *node, const MeshMaterial *said)
+static void add_light_color(NodeText *node, const MeshMaterial *said, const char *key)
 {
-    double color[3], most = largest(said->facts[FACT_EMISSION_COLOR]), radiance = brightness(said);
+    double color[3], most = largest(said->facts[FACT_EMISSION_COLOR]);
     if (said->unlit) {
-        import_say(node->im, "It is shown as it is in the file, not lit: so it shines by itself here.");
-        add_albedo(node, said, "emission");
+        add_albedo(node, said, key);
         return;
     }
-    if (!(radiance > 0)) return;
     char *image = NULL;
     if (has_picture(said, PICTURE_EMISSION))
         image = import_picture(node->im, &said->pictures[PICTURE_EMISSION], "emission", "");
     for (int i = 0; i < 3; i++) color[i] = double_max(said->facts[FACT_EMISSION_COLOR][i], 0) / most;
     if (image)
-        node_word(node, "emission", image);
+        node_word(node, key, image);
     else
-        node_color(node, "emission", color);
-    if (radiance != 1) node_number(node, "radiance", radiance);
+        node_color(node, key, color);
     if (image && (color[0] < 0.99 || color[1] < 0.99 || color[2] < 0.99))
         import_note(node->im, "its picture of emission is taken without the colour that it is multiplied by");
     free(image);
+}
+
+/* weight: which part of the surface is there, where it has holes, which do not shine; NULL: all of it. */
+static void add_emission(NodeText *node, const MeshMaterial *said, const char *weight)
+{
+    double radiance = said->unlit ? 1 : brightness(said);
+    if (!(radiance > 0)) return;
+    if (said->unlit) import_say(node->im, "It is shown as it is in the file, not lit: so it shines by itself here.");
+    if (weight) {
+        NodeText part = node_begin(node->im, "mix", NULL);
+        part.value = true;
+        node_number(&part, "from", 0);
+        add_light_color(&part, said, "to");
+        node_word(&part, "blend", weight);
+        node_end_value(&part, node_prop(node, "emission"));
+    } else {
+        add_light_color(node, said, "emission");
+    }
+    if (radiance != 1) node_number(node, "radiance", radiance);
 }
 
 /* What has no place in a surface, so that nobody waits for it in the picture. */
@@ -257,8 +273,9 @@ static bool opacity_of(Importer *im, const MeshMaterial *said, Buf *out)
     const MeshPicture *picture = &said->pictures[of_mtl ? PICTURE_OPACITY : PICTURE_BASE_COLOR];
     if (said->alpha == ALPHA_OPAQUE) return false;
     Buf props = {0};
-    if (of_mtl || (picture_is_given(picture) && import_picture_has_alpha(im, picture))) {
-        double at = opacity > 0 ? double_min(cutoff / opacity, 1) : 1;
+    bool hidden = masks && opacity < cutoff;
+    if (!hidden && (of_mtl || (picture_is_given(picture) && import_picture_has_alpha(im, picture)))) {
+        double at = opacity > 0 ? cutoff / opacity : 1;
         if (!of_mtl) buf_add(&props, "  channel = alpha");
         if (masks) buf_format(&props, "  ramp = [[0, 0], [%.3g, 0], [%.3g, 1], [1, 1]]", at, at);
         if (!masks && opacity < 1) buf_format(&props, "  to = %.3g", opacity);
@@ -268,7 +285,7 @@ static bool opacity_of(Importer *im, const MeshMaterial *said, Buf *out)
         free(image);
         if (out->length) return true;
     }
-    if (masks ? opacity >= cutoff : opacity >= 0.999) return false;
+    if (masks ? !hidden : opacity >= 0.999) return false;
     add_number(out, masks ? 0 : opacity);
     return true;
 }
@@ -283,7 +300,7 @@ static void write_with_holes(Importer *im, const ImportMaterial *material, const
     node_end_value(&cover, out);
     buf_add(out, "]");
     node_word(&node, "weight", weight);
-    add_emission(&node, material->said);
+    add_emission(&node, material->said, weight);
     import_say(im, "The first of the two is nothing, where the second is not.");
     node_end(&node);
 }
@@ -311,7 +328,7 @@ void import_write_surface(Importer *im, const ImportMaterial *material)
     } else {
         NodeText node = node_begin(im, "surface", material->surface);
         add_cover(&node, material);
-        add_emission(&node, said);
+        add_emission(&node, said, NULL);
         node_end(&node);
     }
     buf_clear(&weight);

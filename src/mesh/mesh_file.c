@@ -72,6 +72,7 @@ void mesh_source_clear(MeshSource *source)
     free(source->cameras);
     free(source->lights);
     free(source->images);
+    free(source->lost_library);
     *source =
         (MeshSource){.asked = source->asked, .n_asked = source->n_asked, .kept = source->kept, .whole = source->whole};
 }

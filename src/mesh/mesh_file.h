@@ -88,8 +88,9 @@ typedef struct MeshSource {
     size_t n_lights, light_capacity;
     MeshImage *images;
     size_t n_images;
-    unsigned left_out; /* bits 1 << MESH_LEFT_...: what else it has, of which nothing is taken */
-    double unit_m;     /* the length of the file's unit where the format says it; 0: it does not */
+    unsigned left_out;  /* bits 1 << MESH_LEFT_...: what else it has, of which nothing is taken */
+    char *lost_library; /* the first .mtl file that it names and that is not there; owned; NULL: none */
+    double unit_m;      /* the length of the file's unit where the format says it; 0: it does not */
 } MeshSource;
 
 void mesh_source_clear(MeshSource *source);
@@ -133,8 +134,8 @@ void mesh_source_material(MeshSource *source, MeshMaterial *material);
 const MeshMaterial *mesh_source_find_material(const MeshSource *source, const char *name);
 /* What is said of a part; NULL: it is no material, or there is nothing. */
 const MeshMaterial *mesh_source_material_of(const MeshSource *source, const MeshPart *part);
-/* The materials of an .mtl file, whose name stands in an OBJ file beside it; one that cannot be read has none. */
-void mesh_list_mtl(const char *obj_path, const char *name, MeshSource *source);
+/* The materials of an .mtl file, whose name stands in an OBJ file beside it; false: it is not there, or cannot be read. */
+bool mesh_list_mtl(const char *obj_path, const char *name, MeshSource *source);
 /* Counts triangles that are of n parts (UINT32_MAX: none) and says whether they are wanted; they are then the next of the mesh.
  * source may be NULL. */
 bool mesh_source_wants(MeshSource *source, const uint32_t *parts, size_t n, uint64_t n_triangles);

@@ -243,7 +243,7 @@ static void read_lines(const char *bytes, size_t length, const char *folder, Mes
     end_material(&library);
 }
 
-void mesh_list_mtl(const char *obj_path, const char *name, MeshSource *source)
+bool mesh_list_mtl(const char *obj_path, const char *name, MeshSource *source)
 {
     Error unused;
     char *folder = file_folder(obj_path), *beside = file_folder(name), *bytes = NULL;
@@ -252,7 +252,8 @@ void mesh_list_mtl(const char *obj_path, const char *name, MeshSource *source)
     buf_format(&path, "%s%s", folder ? folder : "", name);
     bool there =
         folder && !path.failed && file_kind(buf_text(&path)) == FILE_REGULAR && file_lies_in(buf_text(&path), folder);
-    if (there && file_read(buf_text(&path), largest_library, &bytes, &length, &unused) == STATUS_OK) {
+    there = there && file_read(buf_text(&path), largest_library, &bytes, &length, &unused) == STATUS_OK;
+    if (there) {
         file_end_lines(bytes, length);
         read_lines(bytes, length, beside ? beside : "", source);
     }
@@ -260,4 +261,5 @@ void mesh_list_mtl(const char *obj_path, const char *name, MeshSource *source)
     buf_clear(&path);
     free(beside);
     free(folder);
+    return there;
 }

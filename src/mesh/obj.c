@@ -274,14 +274,33 @@ static Status read_part(Obj *obj, int kind)
     return obj->parts[kind] == UINT32_MAX ? fail_memory(obj->error, length, "a name") : STATUS_OK;
 }
 
-/* Exporters say it again for every object. */
-static void read_library(Obj *obj)
+static bool read_library(const Obj *obj, const char *from, size_t length)
 {
-    size_t length;
-    const char *from = rest_of_line(obj, &length);
-    char *name = obj->source && obj->n_libraries++ < MOST_LIBRARIES ? strndup(from, length) : NULL;
-    if (name) mesh_list_mtl(obj->path, name, obj->source);
+    char *name = strndup(from, length);
+    bool there = name && mesh_list_mtl(obj->path, name, obj->source);
     free(name);
+    return there;
+}
+
+/* The names of several, or one that has blanks within. Exporters say it again for every object. */
+static void read_libraries(Obj *obj)
+{
+    size_t length, lost_length = 0;
+    const char *from = rest_of_line(obj, &length), *end = from + length, *lost = NULL;
+    if (!obj->source || length == 0 || obj->n_libraries++ >= MOST_LIBRARIES) return;
+    if (read_library(obj, from, length)) return;
+    bool any = false;
+    for (const char *at = from, *next; at < end; at = next) {
+        for (next = at; next < end && (unsigned char)*next > ' ';) next++;
+        size_t n = (size_t)(next - at);
+        bool there = n < length && read_library(obj, at, n);
+        any = any || there;
+        if (!there && !lost) lost = at, lost_length = n;
+        while (next < end && (unsigned char)*next <= ' ') next++;
+    }
+    if (any && !lost) return;
+    if (!obj->source->lost_library)
+        obj->source->lost_library = any ? strndup(lost, lost_length) : strndup(from, length);
 }
 
 static Status read_lines(Obj *obj)
@@ -298,7 +317,7 @@ static Status read_lines(Obj *obj)
         else if (keyword(obj, "f"))
             TRY(read_face(obj));
         else if (keyword(obj, "mtllib"))
-            read_library(obj);
+            read_libraries(obj);
         else
             for (int kind = 0; kind < N_PART_KINDS; kind++)
                 if (keyword(obj, part_kinds[kind].statement)) TRY(read_part(obj, kind));

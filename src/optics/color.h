@@ -19,6 +19,11 @@ Spectrum spectrum_from_light(const double rgb[3]);
 /* The three [JH19] coefficients of a colour with channels in 0..1, for images: table look-up, right to 0.002 in
  * linear RGB (spectrum_from_reflectance: 1e-5). */
 void upsample_coefficients(const float rgb[3], float coefficients[3]);
+/* The same for colours of any size from 0 on, as light is, to 0.004 of their largest channel: returns what upsample_at is to be
+ * multiplied by. Equal channels are a constant of 1, times that. */
+float upsample_light(const float rgb[3], float coefficients[3]);
+/* The same for reflectances, clamped to 0..1: dark ones, of which 0.002 would be much, are brighter ones times a number below 1. */
+float upsample_reflectance(const float rgb[3], float coefficients[3]);
 /* Evaluates what upsample_coefficients gave; a reflectance, without illuminant. */
 Lanes upsample_at(const float coefficients[3], Lanes wavelength_nm);
 /* The white illuminant (D65), scaled so that spectrum_from_light({1,1,1}) is exactly this. */

@@ -157,23 +157,13 @@ static uint32_t run_formula(const Texture *texture, const TexturePlace *place, d
 /* Red, green and blue as the spectrum that they stand for: of light, where the texture shines. */
 static void spectrum_of_color(const Texture *texture, const double rgb[3], const Wavelengths *at, Lanes *values)
 {
-    float held[3], largest = 0, coefficients[3];
-    for (int i = 0; i < 3; i++) {
-        held[i] = (float)fmax(texture->shines ? rgb[i] : fmin(rgb[i], 1), 0);
-        largest = float_max(largest, held[i]);
+    float held[3], coefficients[3];
+    for (int i = 0; i < 3; i++) held[i] = (float)fmax(rgb[i], 0);
+    float scale = texture->shines ? upsample_light(held, coefficients) : upsample_reflectance(held, coefficients);
+    for (int k = 0; k < at->n; k++) {
+        Lanes nm = at->nm[k], value = lanes_scale(upsample_at(coefficients, nm), scale);
+        values[k] = texture->shines ? lanes_mul(value, white_at(nm)) : value;
     }
-    if (!texture->shines) {
-        upsample_coefficients(held, coefficients);
-        for (int k = 0; k < at->n; k++) values[k] = upsample_at(coefficients, at->nm[k]);
-        return;
-    }
-    /* as pictures of light: spectra are smooth below 1/2 */
-    const float scale = 2 * largest;
-    if (largest > 0)
-        for (int i = 0; i < 3; i++) held[i] /= scale;
-    upsample_coefficients(held, coefficients);
-    for (int k = 0; k < at->n; k++)
-        values[k] = lanes_scale(lanes_mul(upsample_at(coefficients, at->nm[k]), white_at(at->nm[k])), scale);
 }
 
 static void formula_value(const Texture *texture, const TexturePlace *place, const Wavelengths *at, Lanes *values)

@@ -400,7 +400,7 @@ static void upsample_row(void *context, uint32_t row, unsigned worker)
     (void)worker;
     for (size_t i = (size_t)row * environment->width; i < ((size_t)row + 1) * environment->width; i++) {
         Texel *texel = &environment->texels[i];
-        float scaled[3], largest = 0;
+        float scaled[3];
         for (int c = 0; c < 3; c++) {
             double value = (double)job->rgb[3 * i + (size_t)c];
             if (!(job->peak * value <= (double)ENVIRONMENT_BRIGHTEST)) {
@@ -408,16 +408,10 @@ static void upsample_row(void *context, uint32_t row, unsigned worker)
                 return;
             }
             scaled[c] = (float)(job->scale * value);
-            if (scaled[c] > largest) largest = scaled[c];
         }
         environment->luminance[i] =
             job->seen * color_luminance(scaled); /* with a light about: it is what is sampled by */
-        /* as in spectrum_from_light: grey is white exactly, a colour has its largest channel at 1/2 */
-        bool grey = scaled[0] == scaled[1] && scaled[0] == scaled[2];
-        texel->scale = grey ? largest : 2 * largest;
-        if (texel->scale > 0)
-            for (int c = 0; c < 3; c++) scaled[c] = scaled[c] / texel->scale;
-        upsample_coefficients(scaled, texel->coefficients);
+        texel->scale = upsample_light(scaled, texel->coefficients);
     }
 }
 

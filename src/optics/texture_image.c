@@ -14,17 +14,18 @@
 #include "optics/color.h"
 
 enum { MOST_LEVELS = 17 };
+/* Of a colour: the coefficients of upsample_at, and what that is multiplied by. */
+enum { COLOR_STRIDE = 4 };
 
 typedef struct Level {
     uint32_t width, height;
-    float *texels; /* width * height * n_channels */
+    float *texels; /* width * height * stride */
 } Level;
 
 struct TextureImage {
-    uint32_t n_channels;
-    bool colors;     /* coefficients of upsample_at */
-    float light;     /* 0, or the colours are those of light, times this */
-    float luminance; /* of light: the mean */
+    uint32_t n_channels, stride; /* stride: floats to a texel */
+    bool light;                  /* the colours are those of light */
+    float luminance;             /* of light: the mean */
     int n_levels;
     Level levels[MOST_LEVELS];
     float least[3], most[3]; /* of numbers */
@@ -40,7 +41,8 @@ void texture_image_free(TextureImage *image)
 
 double texture_image_bytes(uint32_t channels, uint32_t width, uint32_t height)
 {
-    return 4.0 / 3 * width * height * channels * (double)sizeof(float);
+    uint32_t stride = channels == 1 ? 1 : COLOR_STRIDE;
+    return 4.0 / 3 * width * height * stride * (double)sizeof(float);
 }
 
 uint64_t texture_image_hash(const TextureImage *image)
@@ -116,7 +118,7 @@ static Status new_image(const float *values, uint32_t channels, uint32_t width, 
                     TEXTURE_IMAGE_LARGEST);
     TextureImage *made = calloc(1, sizeof *made);
     if (!made) return fail_memory(error, sizeof *made, "a picture");
-    made->n_channels = channels;
+    made->n_channels = made->stride = channels;
     for (uint32_t w = width, h = height;; w = w > 1 ? w / 2 : 1, h = h > 1 ? h / 2 : 1) {
         Level *level = &made->levels[made->n_levels++];
         size_t size = (size_t)w * h * channels * sizeof(float);
@@ -138,46 +140,50 @@ static Status new_image(const float *values, uint32_t channels, uint32_t width, 
 }
 
 /* Rows of pixels are often alike: the last colour's coefficients are kept. */
-static void colors_to_spectra(Level *level)
+static Status colors_to_spectra(Level *level, bool light, Error *error)
 {
     size_t n = (size_t)level->width * level->height;
-    float rgb[3] = {-1, -1, -1}, coefficients[3] = {0, 0, 0};
+    float *spectra = malloc(n * COLOR_STRIDE * sizeof *spectra);
+    if (!spectra) return fail_memory(error, n * COLOR_STRIDE * sizeof *spectra, "a picture");
+    float last[COLOR_STRIDE] = {0};
     for (size_t i = 0; i < n; i++) {
-        float *texel = level->texels + 3 * i;
-        if (memcmp(texel, rgb, sizeof rgb) != 0) {
-            memcpy(rgb, texel, sizeof rgb);
-            upsample_coefficients(rgb, coefficients);
-        }
-        memcpy(texel, coefficients, sizeof coefficients);
+        const float *rgb = level->texels + 3 * i;
+        if (i == 0 || memcmp(rgb, rgb - 3, 3 * sizeof *rgb) != 0)
+            last[3] = light ? upsample_light(rgb, last) : upsample_reflectance(rgb, last);
+        memcpy(spectra + COLOR_STRIDE * i, last, sizeof last);
     }
+    free(level->texels);
+    level->texels = spectra;
+    return STATUS_OK;
+}
+
+static Status new_spectra(const float *rgb, uint32_t width, uint32_t height, bool light, TextureImage **image,
+                          Error *error)
+{
+    TextureImage *made = NULL;
+    TRY(new_image(rgb, 3, width, height, &made, error));
+    made->stride = COLOR_STRIDE;
+    made->light = light;
+    made->luminance = color_luminance(made->levels[made->n_levels - 1].texels);
+    made->hash = hash_u64(light ? ~made->hash : made->hash);
+    Status status = STATUS_OK;
+    for (int i = 0; i < made->n_levels && status == STATUS_OK; i++)
+        status = colors_to_spectra(&made->levels[i], light, error);
+    if (status == STATUS_OK)
+        *image = made;
+    else
+        texture_image_free(made);
+    return status;
 }
 
 Status texture_image_new_colors(const float *rgb, uint32_t width, uint32_t height, TextureImage **image, Error *error)
 {
-    TRY(new_image(rgb, 3, width, height, image, error));
-    (*image)->colors = true;
-    (*image)->hash = hash_u64((*image)->hash);
-    for (int i = 0; i < (*image)->n_levels; i++) colors_to_spectra(&(*image)->levels[i]);
-    return STATUS_OK;
+    return new_spectra(rgb, width, height, false, image, error);
 }
 
 Status texture_image_new_light(const float *rgb, uint32_t width, uint32_t height, TextureImage **image, Error *error)
 {
-    size_t n = (size_t)width * height * 3;
-    float largest = 1e-30f;
-    for (size_t i = 0; i < n; i++) largest = float_max(largest, rgb[i]);
-    TRY(new_image(rgb, 3, width, height, image, error));
-    const Level *last = &(*image)->levels[(*image)->n_levels - 1];
-    (*image)->luminance = color_luminance(last->texels);
-    (*image)->colors = true;
-    (*image)->light = 2 * largest; /* spectra are smooth below 1/2 */
-    (*image)->hash = hash_u64(~(*image)->hash);
-    for (int i = 0; i < (*image)->n_levels; i++) {
-        Level *level = &(*image)->levels[i];
-        for (size_t k = 0; k < (size_t)level->width * level->height * 3; k++) level->texels[k] /= 2 * largest;
-        colors_to_spectra(level);
-    }
-    return STATUS_OK;
+    return new_spectra(rgb, width, height, true, image, error);
 }
 
 float texture_image_luminance(const TextureImage *image)
@@ -234,7 +240,7 @@ static Four four_around(const TextureImage *image, int level_number, const Textu
     Four four;
     for (int i = 0; i < 4; i++) {
         int x = i & 1, y = i >> 1;
-        four.texel[i] = level->texels + ((size_t)down.cell[y] * level->width + across.cell[x]) * image->n_channels;
+        four.texel[i] = level->texels + ((size_t)down.cell[y] * level->width + across.cell[x]) * image->stride;
         four.weight[i] = (x ? across.part : 1 - across.part) * (y ? down.part : 1 - down.part);
         if (UNLIKELY(across.beyond[x] || down.beyond[y])) four.weight[i] = 0;
     }
@@ -269,7 +275,8 @@ static Lanes add_color(Lanes sum, const Four *four, float weight, Lanes waveleng
 {
     for (int i = 0; i < 4; i++)
         if (four->weight[i] > 0)
-            sum = lanes_add(sum, lanes_scale(upsample_at(four->texel[i], wavelength_nm), weight * four->weight[i]));
+            sum = lanes_add(sum, lanes_scale(upsample_at(four->texel[i], wavelength_nm),
+                                             weight * four->weight[i] * four->texel[i][3]));
     return sum;
 }
 
@@ -278,14 +285,14 @@ void texture_image_add_color(const TextureImage *image, const TextureLook *look,
 {
     TextureLook at = usable(look);
     float part;
-    if (at.wrap == WRAP_ONCE && image->light == 0) at.wrap = WRAP_CLAMP;
+    if (at.wrap == WRAP_ONCE && !image->light) at.wrap = WRAP_CLAMP;
     int level = level_of(image, &at, &part);
     Four near = four_around(image, level, &at), far = near;
     if (part > 0) far = four_around(image, level + 1, &at);
     for (int k = 0; k < wavelengths->n; k++) {
         Lanes nm = wavelengths->nm[k], color = add_color(lanes_all(0), &near, 1 - part, nm);
         if (part > 0) color = add_color(color, &far, part, nm);
-        if (image->light > 0) color = lanes_mul(lanes_scale(color, image->light), white_at(nm));
+        if (image->light) color = lanes_mul(color, white_at(nm));
         sums[k] = lanes_add(sums[k], lanes_scale(color, weight));
     }
 }

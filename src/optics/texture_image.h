@@ -16,7 +16,7 @@ typedef enum TextureWrap { WRAP_REPEAT, WRAP_CLAMP, WRAP_MIRROR, WRAP_ONCE } Tex
 enum { TEXTURE_IMAGE_LARGEST = 65536 }; /* pixels each way */
 
 /* rgb: width * height triples, row 0 at the top; copied. As reflectances: linear Rec.709, each channel in 0..1 (held to it;
- * the caller has checked), upsampled to spectra, right to 0.002 (see upsample_coefficients). Smaller versions of the
+ * the caller has checked), upsampled to spectra, right to 0.002 (see upsample_reflectance). Smaller versions of the
  * picture, for what is far away, are means of reflectance, each of half the size of the one before. STATUS_INPUT when a
  * side is 0 or too large; STATUS_NOMEM. */
 ATTR_NODISCARD Status texture_image_new_colors(const float *rgb, uint32_t width, uint32_t height, TextureImage **image,
@@ -30,7 +30,7 @@ float texture_image_luminance(const TextureImage *image);
 ATTR_NODISCARD Status texture_image_new_numbers(const float *values, uint32_t channels, uint32_t width, uint32_t height,
                                                 TextureImage **image, Error *error);
 void texture_image_free(TextureImage *image); /* NULL is fine */
-/* Bytes that such an image takes, its smaller versions included. */
+/* Bytes that such an image takes at most, its smaller versions included. */
 double texture_image_bytes(uint32_t channels, uint32_t width, uint32_t height);
 /* Of all it consists of. */
 uint64_t texture_image_hash(const TextureImage *image);

@@ -10,6 +10,9 @@
 #include "optics/upsample_solve.h"
 #include "optics/upsample_table.h"
 
+/* Below it the 0.002 by which the table is off are more than a sixtieth of a reflectance. */
+#define DARK 0.125f
+
 /* S(x) = 1/2 + x / (2 sqrt(1 + x^2)), [JH19] (4). Written so that dark colours keep their digits: with
  * s = sqrt(1 + x^2), 1 - S(|x|) = S(-|x|) = 1 / (2 s (s + |x|)). */
 static inline Lanes sigmoid(Lanes x)
@@ -214,4 +217,30 @@ void upsample_coefficients(const float rgb[3], float coefficients[3])
     Between between = knots_about(t);
     for (int axis = 0; axis < 3; axis++) stay_within(&between, axis);
     look_up_knots(upsample_table[largest], &between, coefficients);
+}
+
+static float largest_of(const float rgb[3])
+{
+    return float_max(float_max(float_max(rgb[0], rgb[1]), rgb[2]), 0);
+}
+
+/* As spectrum_from_light has them. */
+float upsample_light(const float rgb[3], float coefficients[3])
+{
+    float largest = largest_of(rgb), scaled[3];
+    if (rgb[0] == rgb[1] && rgb[0] == rgb[2]) {
+        coefficients[0] = (float)upsample_constant(1);
+        coefficients[1] = coefficients[2] = 0;
+        return largest;
+    }
+    for (int c = 0; c < 3; c++) scaled[c] = rgb[c] / (2 * largest);
+    upsample_coefficients(scaled, coefficients);
+    return 2 * largest;
+}
+
+float upsample_reflectance(const float rgb[3], float coefficients[3])
+{
+    if (largest_of(rgb) < DARK) return upsample_light(rgb, coefficients);
+    upsample_coefficients(rgb, coefficients);
+    return 1;
 }

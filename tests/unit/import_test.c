@@ -218,6 +218,12 @@ static void opaque_materials_become_surfaces(void **state)
                   "{\"emissiveStrength\": 7}}}",
          "surface stuff { albedo = 1  ior = 1.5  emission = rgb(1, 0.5, 0)  radiance = 7 }"},
         {LOOK(", \"baseColorFactor\": [0.2, 0.2, 0.2, 0.25]") ", \"alphaMode\": \"BLEND\"}", "weight = 0.25"},
+        {LOOK(", \"baseColorFactor\": [0.2, 0.2, 0.2, 0.25]") ", \"alphaMode\": \"BLEND\", \"emissiveFactor\": [2, 1, "
+                                                              "0]}",
+         "emission = mix { from = 0  to = rgb(1, 0.5, 0)  blend = 0.25 }  radiance = 2"},
+        {LOOK(", \"baseColorFactor\": [0.2, 0.4, 0.6, 0.25]") ", \"alphaMode\": \"BLEND\", \"extensions\": "
+                                                              "{\"KHR_materials_unlit\": {}}}",
+         "emission = mix { from = 0  to = rgb(0.2, 0.4, 0.6)  blend = 0.25 }"},
         {LOOK(", \"baseColorFactor\": [0.2, 0.2, 0.2, 0.25]") "}", "surface stuff { albedo = 0.2  ior = 1.5 }"},
         {LOOK(", \"baseColorFactor\": [0.2, 0.4, 0.6, 1]") ", \"extensions\": {\"KHR_materials_unlit\": {}}}",
          "surface stuff { albedo = 0  emission = rgb(0.2, 0.4, 0.6) }"},
@@ -638,6 +644,35 @@ static void pictures_of_wavefront_materials_stand_behind_options(void **state)
     }
 }
 
+/* Several names, one with blanks, and what is told of where one is not there, or describes nothing. */
+static void libraries_that_are_not_there_are_told_of(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *line, *lost, *plain;
+    } cases[] = {{"a.mtl b.mtl", NULL, NULL},
+                 {"c d.mtl", NULL, "material red is described nowhere"},
+                 {"a.mtl x.mtl", "materials x.mtl is not beside it", "material blue is described nowhere"},
+                 {"e f.mtl", "materials e f.mtl is not beside it", "material red and 1 more are described nowhere"}};
+    const char *const red = "newmtl red\nKd 1 0 0\n", *const blue = "newmtl blue\nKd 0 0 1\n";
+    write_bytes(in_folder("a.mtl"), red, strlen(red));
+    write_bytes(in_folder("b.mtl"), blue, strlen(blue));
+    write_bytes(in_folder("c d.mtl"), blue, strlen(blue));
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        Made made;
+        char text[300];
+        snprintf(text, sizeof text,
+                 "mtllib %s\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nusemtl blue\nf 1 4 3\n"
+                 "f 2 3 4\n",
+                 cases[i].line);
+        import_text_as(&made, "model.obj", text);
+        assert_notes(&made, cases[i].lost ? cases[i].lost : "a metre is assumed");
+        if (cases[i].plain) assert_notes(&made, cases[i].plain);
+        assert_int_equal(made.import.n_notes, 1 + (cases[i].lost != NULL) + (cases[i].plain != NULL));
+        made_clear(&made);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -659,6 +694,7 @@ int main(void)
         cmocka_unit_test(a_file_without_light_gets_some_and_a_floor_unless_it_has_one),
         cmocka_unit_test(wavefront_materials_are_understood),
         cmocka_unit_test(pictures_of_wavefront_materials_stand_behind_options),
+        cmocka_unit_test(libraries_that_are_not_there_are_told_of),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

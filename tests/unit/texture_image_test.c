@@ -158,6 +158,44 @@ static void pictures_end_where_they_end(void **state)
     texture_image_free(image);
 }
 
+static void resolve(const TextureImage *image, bool light, double rgb[3])
+{
+    float table[SPECTRUM_SAMPLES];
+    const TextureLook look = {.u = 0.75, .v = 0.25, .wrap = WRAP_CLAMP};
+    for (int s = 0; s < SPECTRUM_SAMPLES; s++) {
+        Lanes nm = lanes_all(SPECTRUM_MIN_NM + (float)(s * SPECTRUM_STEP_NM)), color = color_at(image, &look, nm);
+        table[s] = lanes_get(light ? color : lanes_mul(color, white_at(nm)), 0);
+    }
+    color_from_spectrum(&(Spectrum){.kind = SPECTRUM_TABLE, .scale = 1, .table = table}, rgb);
+}
+
+/* Beside what is far brighter, too: a lamp in a picture of a room. */
+static void dark_colours_are_as_right_as_bright_ones(void **state)
+{
+    (void)state;
+    enum { SIDE = 2 };
+    double worst = 0;
+    for (int light = 0; light < 2; light++)
+        for (float beside = 1; beside < 2e8f; beside *= light ? 10 : 1e9f)
+            for (float scale = 1; scale > 1e-5f; scale /= 3) {
+                const float colour[3] = {0.5f * scale, 0.25f * scale, 0.1f * scale};
+                float pixels[SIDE * SIDE * 3];
+                for (int i = 0; i < SIDE * SIDE * 3; i++) pixels[i] = i < 3 ? beside : colour[i % 3];
+                TextureImage *image;
+                Error error;
+                double rgb[3];
+                assert_int_equal(
+                    (light ? texture_image_new_light : texture_image_new_colors)(pixels, SIDE, SIDE, &image, &error),
+                    STATUS_OK);
+                resolve(image, light, rgb);
+                for (int c = 0; c < 3; c++)
+                    worst = fmax(worst, fabs(rgb[c] - (double)colour[c]) / (0.5 * (double)scale));
+                texture_image_free(image);
+            }
+    printf("    of the largest channel, colours are off by %.5f at most\n", worst);
+    assert_true(worst < 0.016); /* the table's 0.002, where it is used as it is; beside 1e5 it was 40 */
+}
+
 /* A picture of one colour is that colour, at any width; a mixture of two is what both come to. */
 static void colours_are_spectra(void **state)
 {
@@ -221,6 +259,7 @@ int main(void)
         cmocka_unit_test(pixels_are_where_they_are),
         cmocka_unit_test(pictures_end_where_they_end),
         cmocka_unit_test(colours_are_spectra),
+        cmocka_unit_test(dark_colours_are_as_right_as_bright_ones),
         cmocka_unit_test(sizes_are_checked),
     };
     return cmocka_run_group_tests_name("texture_image", tests, NULL, NULL);
