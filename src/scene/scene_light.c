@@ -66,21 +66,27 @@ static bool profile_angles(ProfileType type, Vec3 direction, double *vertical, d
     return true;
 }
 
-static double profile_at(const LightProfile *profile, Vec3 direction)
+/* Angles in degrees, as the file has them but for the sign of the vertical one. */
+static double profile_value(const LightProfile *profile, double vertical, double horizontal)
 {
-    double vertical, horizontal;
     uint32_t n = profile->n_vertical;
-    if (!profile_angles(profile->type, direction, &vertical, &horizontal)) return 0;
     if (profile->type != PROFILE_C && !(profile->vertical[0] < 0)) vertical = fabs(vertical);
     if (vertical < (double)profile->vertical[0] || vertical > (double)profile->vertical[n - 1]) return 0;
     double down, across;
     uint32_t row = find_interval(profile->vertical, n, vertical, &down);
-    uint32_t column = find_interval(profile->horizontal, profile->n_horizontal, fold(profile, horizontal), &across);
+    uint32_t column = find_interval(profile->horizontal, profile->n_horizontal, horizontal, &across);
     const float *left = profile->intensity + (size_t)column * n + row;
     const float *right = profile->n_horizontal > 1 ? left + n : left;
     double low = (double)left[0] + down * (double)(left[1] - left[0]),
            high = (double)right[0] + down * (double)(right[1] - right[0]);
     return low + across * (high - low);
+}
+
+static double profile_at(const LightProfile *profile, Vec3 direction)
+{
+    double vertical, horizontal;
+    bool shines = profile_angles(profile->type, direction, &vertical, &horizontal);
+    return shines ? profile_value(profile, vertical, fold(profile, horizontal)) : 0;
 }
 
 float light_shape(const SceneLight *light, Vec3 direction)
@@ -95,20 +101,45 @@ float light_shape(const SceneLight *light, Vec3 direction)
     return (float)(part * part * (3 - 2 * part));
 }
 
+/* The integral of the profile times the cosine of the latitude along a line of one longitude, over the latitude. Types C and A have
+ * their vertical angles for latitudes, C's from the pole; type B its horizontal ones. Exact, as the profile is linear between its angles,
+ * however narrow the beam is; so is the integral over the longitude below. */
+static double along_longitude(const LightProfile *profile, double longitude)
+{
+    bool of_b = profile->type == PROFILE_B;
+    const float *angles = of_b ? profile->horizontal : profile->vertical;
+    uint32_t n = of_b ? profile->n_horizontal : profile->n_vertical;
+    double pole = profile->type == PROFILE_C ? 90 : 0, sum = 0, before = 0, from = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        double angle = (double)angles[i], at = (angle - pole) * MEN_DEGREE;
+        double value = of_b ? profile_value(profile, longitude, angle) : profile_value(profile, angle, longitude);
+        if (i > 0) {
+            double slope = (value - before) / (at - from);
+            sum += value * sin(at) - before * sin(from) + slope * (cos(at) - cos(from));
+        }
+        if (n == 1) sum = value; /* of 0 to 90 degrees */
+        before = value;
+        from = at;
+    }
+    return profile->type != PROFILE_C && !(angles[0] < 0) ? 2 * sum : sum;
+}
+
+static double profile_beam(const LightProfile *profile)
+{
+    bool of_b = profile->type == PROFILE_B, of_c = profile->type == PROFILE_C;
+    const float *angles = of_b ? profile->vertical : profile->horizontal;
+    uint32_t n = of_b ? profile->n_vertical : profile->n_horizontal;
+    double all = of_c ? 360 : 180, range = (double)angles[n - 1] - (double)angles[0], sum = 0;
+    if (n == 1) return all * MEN_DEGREE * along_longitude(profile, (double)angles[0]);
+    for (uint32_t i = 1; i < n; i++)
+        sum += 0.5 * (double)(angles[i] - angles[i - 1]) *
+               (along_longitude(profile, (double)angles[i - 1]) + along_longitude(profile, (double)angles[i]));
+    return all / range * MEN_DEGREE * sum; /* the rest is mirrored */
+}
+
 double light_beam(const SceneLight *light)
 {
-    enum { DOWN = 360, ACROSS = 180 };
-    double sum = 0;
-    for (int i = 0; light->profile && i < DOWN; i++) {
-        double low = cos(MEN_PI * i / DOWN), high = cos(MEN_PI * (i + 1) / DOWN), y = cos(MEN_PI * (i + 0.5) / DOWN),
-               r = sqrt(1 - y * y);
-        for (int k = 0; k < ACROSS; k++) {
-            double turn = 2 * MEN_PI * (k + 0.5) / ACROSS;
-            sum +=
-                (low - high) * 2 * MEN_PI / ACROSS * profile_at(light->profile, vec3(r * cos(turn), y, r * sin(turn)));
-        }
-    }
-    if (light->profile) return sum;
+    if (light->profile) return profile_beam(light->profile);
     double full = light->cos_full, none = light->cos_none, fade = full - none;
     if (light->kind == LIGHT_POINT) return 2 * MEN_PI * (1 - 0.5 * (full + none)); /* the smooth step's mean is 1/2, */
     return MEN_PI * (1 - full * full) +

@@ -43,16 +43,22 @@ static void tangents_of(Vec3 normal, Vec3 *first, Vec3 *second)
     *second = vec3_from_f(y);
 }
 
+/* Over which length slopes are found at least: on a picture that floats of uv can tell apart; else a part of the relief's height, as
+ * what is much finer than it is high would be all spikes, so far as coordinates tell it. */
+static double least_step(const SceneSurface *surface, const TexturePlace *at)
+{
+    double far = vec3_max_abs(at->object), steep = fmax(vec3_length(at->du), vec3_length(at->dv));
+    if (steep > 0) return fmin(1e-4 * far, 1e-4 / steep);
+    return fmax(1e-7 * far, fmin(1e-4 * far, 0.01 * fabs(surface->bump_height)));
+}
+
 /* How fast the bump rises, along the surface, in the textures' frame. Heights are lengths of that frame. */
 static Vec3 slope_of_bump(const World *world, const SceneSurface *surface, const TextureView *view)
 {
     const TexturePlace *at = &view->at;
     Affine to_world;
     if (!affine_invert(view->to_texture, &to_world)) return vec3(0, 0, 0);
-    /* over the footprint, or else over the least length that floats of uv can tell apart on a picture */
-    double least = 1e-4 * vec3_max_abs(at->object), steep = fmax(vec3_length(at->du), vec3_length(at->dv));
-    if (steep > 0) least = fmin(least, 1e-4 / steep);
-    double step = fmax(0.5 * at->footprint, fmax(least, 1e-9));
+    double step = fmax(0.5 * at->footprint, fmax(least_step(surface, at), 1e-9));
     Vec3 along[2], slope = vec3(0, 0, 0);
     tangents_of(at->object_normal, &along[0], &along[1]);
     for (int i = 0; i < 2; i++) {

@@ -109,6 +109,24 @@ for shines in true false; do
 done
 end
 
+begin "fine relief far from the origin is what it is beside it"
+cat > waves.mns <<'SCENE'
+meniscus 1.0 unit m
+param off = 0
+def wave(p) = .5 + .5 * sin(360 * (p.x - off) / .02)
+box { from = <off - 1, -1, -1>  to = <off + 1, 0, 1>  surface = surface { albedo = 1  bump = wave  bump_height = .001 } }
+light { shape = distant  from = <1, 1, 0>  to = <0, 0, 0>  power = 3 }
+camera { from = <off, .3, .0001>  to = <off, 0, 0>  projection = orthographic  width = .04 }
+film { size = <64, 8> }
+SCENE
+for off in 0 100 1000; do
+    run render waves.mns -o "waves-$off.exr" -q -s 16 -D "off=$off"
+    exits 0
+    run compare "waves-$off.exr" waves-0.exr --max-rmse 0.01 # it was even from 100 on: 0.08
+    exits 0
+done
+end
+
 begin "a picture that is there once: a label of the wall's own colour is not seen, nor is a line about it; of another it is"
 label same.png 200 255
 for size in 64 4; do # looked up as it is, and in its smaller versions
