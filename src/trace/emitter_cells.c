@@ -111,8 +111,9 @@ typedef struct Job {
     bool *failed; /* of each thread */
 } Job;
 
-/* How bright an emitter is at a place, about as an eye has it. */
-static double brightness(const Job *job, unsigned worker, const Emitter *emitter, double time, const double u[2])
+/* How bright an emitter is around a place, over a width, about as an eye has it. */
+static double brightness(const Job *job, unsigned worker, const Emitter *emitter, double time, const double u[2],
+                         double width)
 {
     const World *world = job->world;
     if (job->asking) return emitter_cut_shows(&job->asking[worker], emitter, time, u);
@@ -122,7 +123,7 @@ static double brightness(const Job *job, unsigned worker, const Emitter *emitter
     Vec3 place = emitter_place(world->compiled, emitter, time, u, &hit);
     Ray ray = ray_make(place, vec3f_negate(hit.normal));
     ray.time = time;
-    Lanes radiance = texture_emission(world, surface, &ray, &hit, 0, wavelengths);
+    Lanes radiance = texture_emission(world, surface, &ray, &hit, width, wavelengths);
     return (double)lanes_sum(lanes_mul(radiance, weights));
 }
 
@@ -137,9 +138,32 @@ static double mean_brightness(const Job *job, unsigned worker, const Emitter *em
     double sum = 0;
     for (uint32_t i = 0; i < n; i++) {
         double u[2], time = emitter_place_in_turn(job->world->scene, i, u);
-        sum += brightness(job, worker, emitter, time, u);
+        sum += brightness(job, worker, emitter, time, u, 0);
     }
     return sum / n;
+}
+
+static const double offsets[PLACES][2] = {{.125, .375}, {.375, .875}, {.625, .125}, {.875, .625}};
+
+static void place_in_cell(const Job *job, const EmitterWindow *window, uint32_t row, uint32_t column, int i,
+                          double u[2])
+{
+    u[0] = window->low[0] + window->size[0] * (row + offsets[i][0]) / job->side;
+    u[1] = window->low[1] + window->size[1] * (column + offsets[i][1]) / job->side;
+}
+
+/* What each of a cell's places stands for: half of its longer side, so that a single bright pixel of a large picture is seen. */
+static double width_of_place(const Job *job, const Emitter *emitter, const EmitterWindow *window, uint32_t row,
+                             uint32_t column)
+{
+    Vec3 places[3];
+    for (int i = 0; i < 3; i++) {
+        double u[2];
+        Hit hit = {.t = 0};
+        place_in_cell(job, window, row, column, i, u);
+        places[i] = emitter_place(job->world->compiled, emitter, 0, u, &hit);
+    }
+    return fmax(vec3_length(vec3_sub(places[1], places[0])), vec3_length(vec3_sub(places[2], places[0])));
 }
 
 /* Of each cell the mean of its places. */
@@ -148,14 +172,13 @@ static void look_at_cells(const Job *job, unsigned worker, const Emitter *emitte
 {
     const uint32_t side = job->side;
     const bool moves = job->world->scene->n_keys > 0;
-    static const double offsets[PLACES][2] = {{.125, .375}, {.375, .875}, {.625, .125}, {.875, .625}};
     for (uint32_t row = 0; row < side; row++)
         for (uint32_t column = 0; column < side; column++) {
-            double sum = 0;
+            double sum = 0, width = job->asking ? 0 : width_of_place(job, emitter, window, row, column);
             for (int i = 0; i < PLACES; i++) {
-                double u[2] = {window->low[0] + window->size[0] * (row + offsets[i][0]) / side,
-                               window->low[1] + window->size[1] * (column + offsets[i][1]) / side};
-                sum += brightness(job, worker, emitter, moves ? (i + 0.5) / PLACES : 0, u);
+                double u[2];
+                place_in_cell(job, window, row, column, i, u);
+                sum += brightness(job, worker, emitter, moves ? (i + 0.5) / PLACES : 0, u, width);
             }
             cells[row * side + column] = (float)(sum / PLACES);
         }

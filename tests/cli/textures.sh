@@ -127,6 +127,42 @@ for off in 0 100 1000; do
 done
 end
 
+begin "single pixels of a large picture that shines are found"
+"$python" - << 'PY'
+import struct, zlib
+def chunk(kind, body):
+    return struct.pack('>I', len(body)) + kind + body + struct.pack('>I', zlib.crc32(kind + body))
+rows = [bytearray(1 + 1024) for y in range(512)]
+for x, y in (101, 37), (530, 411), (987, 230):
+    rows[y][1 + x] = 255
+open('stars.png', 'wb').write(b'\x89PNG\r\n\x1a\n' + chunk(b'IHDR', struct.pack('>IIBBBBB', 1024, 512, 8, 0, 0, 0, 0)) +
+                              chunk(b'IDAT', zlib.compress(b''.join(rows))) + chunk(b'IEND', b''))
+PY
+cat > stars.mns <<'SCENE'
+meniscus 1.0 unit m
+param picture = true
+let stars = image { file = "stars.png"  projection = planar  wrap = clamp  scale(<4, 2, 1>)  rotate(x, 90deg) }
+if (picture) {
+    box { from = <0, 2, 0>  to = <4, 2.0001, 2>  surface = surface { albedo = 0  emission = stars  radiance = 1e5 } }
+} else {
+    for (p in [<101, 37>, <530, 411>, <987, 230>]) {
+        light { shape = quad  size = <4 / 1024, 2 / 512>  radiance = 1e5
+                from = <(p.x + .5) / 256, 2, 2 - (p.y + .5) / 256>  to = <(p.x + .5) / 256, 0, 2 - (p.y + .5) / 256> }
+    }
+}
+ground { surface = surface { albedo = .5 } }
+camera { from = <2, 1, 1>  to = <2, 0, 1>  up = <0, 0, 1>  fov = 60 }
+film { size = <16, 12> }
+SCENE
+run render stars.mns -o stars.exr -q -s 256
+exits 0
+run render stars.mns -o lights.exr -q -s 64 -D picture=false
+exits 0
+run compare stars.exr lights.exr
+awk '/^mean of/ { mean[n++] = $5 } END { exit !(mean[0] > 0.95 * mean[1] && mean[0] < 1.05 * mean[1]) }' out ||
+    flunk "the picture gives other light than its pixels one by one"
+end
+
 begin "a picture that is there once: a label of the wall's own colour is not seen, nor is a line about it; of another it is"
 label same.png 200 255
 for size in 64 4; do # looked up as it is, and in its smaller versions
