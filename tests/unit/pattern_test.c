@@ -284,41 +284,52 @@ static void footprints_smooth(void **state)
     }
 }
 
-/* Of a noise that is smaller than the footprint the parts tell how often it is above what: a ramp with steps has the same mean from
- * far away as close up. With their mean alone all of it was on one side of a step: up to a half too much or too little. */
-static void noise_keeps_its_parts(void **state)
+/* Over all of a pattern that is smaller than the footprint the parts tell how often it is above what: a ramp with steps has the same
+ * mean from far away as close up. With their mean alone all of it was on one side of a step: up to a half too much or too little. */
+static void check_parts(const char *name, const Pattern *pattern)
+{
+    enum { N = 20000, THRESHOLDS = 8 };
+    double above[2][THRESHOLDS] = {{0}}, most = 0, sum = 0;
+    Dice dice = {4};
+    for (int k = 0; k < N; k++) {
+        PatternPlace place = {.p = dice_point(&dice, 50)};
+        double value = mean_at(pattern, &place);
+        for (int i = 0; i < THRESHOLDS; i++) above[0][i] += (value > (i + 0.5) / THRESHOLDS) * 1.0 / N;
+    }
+    PatternParts parts;
+    pattern_parts(pattern, &(PatternPlace){.p = vec3(1, 2, 3), .footprint = 1e6}, &parts);
+    for (int k = 0; k < parts.n; k++)
+        for (int i = 0; i < THRESHOLDS; i++) above[1][i] += (parts.value[k] > (i + 0.5) / THRESHOLDS) * parts.part[k];
+    for (int i = 0; i < THRESHOLDS; i++) {
+        double off = fabs(above[1][i] - above[0][i]);
+        most = fmax(most, off);
+        sum += off / THRESHOLDS;
+    }
+    printf("    %s: %d parts, above thresholds by %.3f in the mean and %.3f at most\n", name, parts.n, sum, most);
+    assert_true(most < 0.15 && sum < 0.06); /* a seventh is one part */
+}
+
+static void patterns_keep_their_parts(void **state)
 {
     (void)state;
-    enum { N = 20000, THRESHOLDS = 8 };
     for (int style = NOISE_SMOOTH; style <= NOISE_RIDGED; style++)
         for (unsigned octaves = 1; octaves <= 5; octaves += 2) {
-            const Pattern pattern = {.kind = PATTERN_NOISE,
-                                     .style = (NoiseStyle)style,
-                                     .octaves = octaves,
-                                     .lacunarity = 2,
-                                     .gain = 0.5,
-                                     .seed = 5};
-            double above[2][THRESHOLDS] = {{0}}, most = 0, sum = 0;
-            Dice dice = {4};
-            for (int k = 0; k < N; k++) {
-                PatternPlace place = {.p = dice_point(&dice, 50)};
-                double value = mean_at(&pattern, &place);
-                for (int i = 0; i < THRESHOLDS; i++) above[0][i] += (value > (i + 0.5) / THRESHOLDS) * 1.0 / N;
-            }
-            PatternParts parts;
-            pattern_parts(&pattern, &(PatternPlace){.p = vec3(1, 2, 3), .footprint = 1e6}, &parts);
-            for (int k = 0; k < parts.n; k++)
-                for (int i = 0; i < THRESHOLDS; i++)
-                    above[1][i] += (parts.value[k] > (i + 0.5) / THRESHOLDS) * parts.part[k];
-            for (int i = 0; i < THRESHOLDS; i++) {
-                double off = fabs(above[1][i] - above[0][i]);
-                most = fmax(most, off);
-                sum += off / THRESHOLDS;
-            }
-            printf("    style %d, %u octaves: %d parts, above thresholds by %.3f in the mean and %.3f at most\n", style,
-                   octaves, parts.n, sum, most);
-            assert_true(most < 0.13 && sum < 0.05); /* an eighth is one part */
+            char name[40];
+            snprintf(name, sizeof name, "style %d, %u octaves", style, octaves);
+            check_parts(name, &(Pattern){.kind = PATTERN_NOISE,
+                                         .style = (NoiseStyle)style,
+                                         .octaves = octaves,
+                                         .lacunarity = 2,
+                                         .gain = 0.5,
+                                         .seed = 5});
         }
+    check_parts("borders", &(Pattern){.kind = PATTERN_CRACKLE, .value = CRACKLE_BORDER, .seed = 5});
+    check_parts("distances", &(Pattern){.kind = PATTERN_CRACKLE, .value = CRACKLE_DISTANCE, .seed = 5});
+    check_parts("granite", &(Pattern){.kind = PATTERN_GRANITE, .seed = 5});
+    check_parts("agate", &(Pattern){.kind = PATTERN_AGATE, .seed = 5});
+    check_parts("wood", &(Pattern){.kind = PATTERN_WOOD, .seed = 5});
+    for (int wave = WAVE_RAMP; wave <= WAVE_SCALLOP; wave++)
+        check_parts("waves", &(Pattern){.kind = PATTERN_GRADIENT, .wave = (PatternWave)wave, .frequency = 1.3});
 }
 
 /* The mean of a pattern at points all over a box of a width, along two directions. */
@@ -420,7 +431,7 @@ int main(void)
         cmocka_unit_test(parts_are_as_they_should),
         cmocka_unit_test(cells_are_the_nearest),
         cmocka_unit_test(footprints_smooth),
-        cmocka_unit_test(noise_keeps_its_parts),
+        cmocka_unit_test(patterns_keep_their_parts),
         cmocka_unit_test(footprints_are_averaged),
         cmocka_unit_test(parts_of_a_footprint),
     };
