@@ -247,11 +247,16 @@ static Four four_around(const TextureImage *image, int level_number, const Textu
     return four;
 }
 
+float texture_image_pixels_seen(const TextureImage *image, const TextureLook *look)
+{
+    const Level *level = &image->levels[0];
+    return float_max(look->width_u * (float)level->width, look->width_v * (float)level->height);
+}
+
 /* The level whose pixels are as large as the width, or less, and how much of the next. */
 static int level_of(const TextureImage *image, const TextureLook *look, float *part)
 {
-    const Level *level = &image->levels[0];
-    float pixels = float_max(look->width_u * (float)level->width, look->width_v * (float)level->height);
+    float pixels = texture_image_pixels_seen(image, look);
     *part = 0;
     if (!(pixels > 1)) return 0;
     float at = log2f(pixels), last = (float)(image->n_levels - 1);

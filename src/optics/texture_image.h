@@ -50,6 +50,8 @@ typedef struct TextureLook {
  * wavelengths to the sums. */
 void texture_image_add_color(const TextureImage *image, const TextureLook *look, float weight,
                              const Wavelengths *wavelengths, Lanes *sums);
+/* How many pixels of the picture itself are averaged along the longer side of what is seen at a look; 1 or less: none. */
+float texture_image_pixels_seen(const TextureImage *image, const TextureLook *look);
 /* The same of numbers. */
 void texture_image_numbers(const TextureImage *image, const TextureLook *look, float *values);
 

@@ -163,6 +163,33 @@ awk '/^mean of/ { mean[n++] = $5 } END { exit !(mean[0] > 0.95 * mean[1] && mean
     flunk "the picture gives other light than its pixels one by one"
 end
 
+begin "a step over a picture that is far away covers what it covers close up"
+"$python" - << 'PY'
+import struct, zlib
+def chunk(kind, body):
+    return struct.pack('>I', len(body)) + kind + body + struct.pack('>I', zlib.crc32(kind + body))
+rows = b''.join(b'\0' + bytes(0 if x % 4 or y % 2 else 255 for x in range(256)) for y in range(256))
+open('net.png', 'wb').write(b'\x89PNG\r\n\x1a\n' + chunk(b'IHDR', struct.pack('>IIBBBBB', 256, 256, 8, 0, 0, 0, 0)) +
+                            chunk(b'IDAT', zlib.compress(rows)) + chunk(b'IEND', b''))
+PY
+cat > net.mns <<'SCENE'
+meniscus 1.0 unit m
+param away = 10
+let net = image { file = "net.png"  projection = planar  ramp = [[0, 0], [.5, 0], [.5, .8], [1, .8]] }
+box { from = <-900, -900, -1>  to = <900, 900, 0>  surface = surface { albedo = net } }
+environment { color = 1 }
+camera { from = <0, 0, away>  to = <0, 0, 0>  fov = 5 }
+film { size = <16, 16> }
+SCENE
+# of each eighth pixel the bilinear picture is above one half in 2 - 2 log(2), 0.614, of its place
+for away in 3 10 900; do
+    run render net.mns -o net.exr -q -s 256 -D "away=$away"
+    exits 0
+    run compare net.exr net.exr
+    awk '/^mean of A/ { exit !($5 > 0.0594 && $5 < 0.0634) }' out || flunk "it covers another part from $away m: $(grep 'mean of A' out)"
+done
+end
+
 begin "a picture that is there once: a label of the wall's own colour is not seen, nor is a line about it; of another it is"
 label same.png 200 255
 for size in 64 4; do # looked up as it is, and in its smaller versions
