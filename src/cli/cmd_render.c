@@ -166,8 +166,8 @@ static Status refuse_empty(RenderRun *run, Error *error)
     if (!*signals_flag())
         return fail(error, STATUS_STOPPED, "the time was over before the first sample: nothing was written%s%s%s",
                     photons, path, kept ? "" : "; try a longer '-t'");
-    if (!run->talk->quiet)
-        talk_event(run->talk, "empty", "stopped before the first sample: nothing was written%s%s", photons, path);
+    /* also where all is quiet: it was said that something would be written */
+    talk_event(run->talk, "empty", "stopped before the first sample: nothing was written%s%s", photons, path);
     return STATUS_OK;
 }
 

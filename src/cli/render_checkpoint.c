@@ -261,12 +261,26 @@ static void write_snapshot(RenderRun *run)
                    plural(stats.samples));
 }
 
+/* A disk that is full stays so for long: the first is told of, and then the second, the fourth, and so on. */
+static void tell_of_failure(RenderRun *run, const Error *error, bool asked)
+{
+    unsigned n = ++run->checkpoint.n_failed;
+    if (!asked && (n & (n - 1))) return;
+    if (n == 1)
+        talk_warning(run->talk, "%s; the render goes on without this checkpoint", error->text);
+    else
+        talk_warning(run->talk, "%s; the render goes on without this checkpoint, as without the %u before it",
+                     error->text, n - 1);
+}
+
 void render_save(RenderRun *run, const RenderState *state, bool asked)
 {
     Error error = {0};
     (void)state; /* is the run's */
     if (asked) progress_end(&run->progress, false);
     if (render_write_checkpoint(run, &error) != STATUS_OK)
-        talk_warning(run->talk, "%s; the render goes on without this checkpoint", error.text);
+        tell_of_failure(run, &error, asked);
+    else
+        run->checkpoint.n_failed = 0;
     if (asked) write_snapshot(run);
 }

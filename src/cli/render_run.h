@@ -18,6 +18,7 @@ typedef struct RenderKeeping {
     double noise;
     /* It was written when the render was stopped, or this is why not. */
     bool kept;
+    unsigned n_failed; /* in a row, so far */
     Status status;
     Error error;
 } RenderKeeping;

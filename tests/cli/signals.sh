@@ -88,3 +88,26 @@ gone a.exr
 says err "stopped before the first sample: nothing was written; the photons so far are kept for '--resume' in a.checkpoint.exr"
 says_not err "to go on from"
 end
+
+begin "TERM before there is a picture: what was promised is taken back, where all is quiet as well"
+kept_scene
+sed -i -e 's/samples = 200/samples = 1000000  caustics = on/' kept.mns
+run_until 1.5 TERM render kept.mns -o a.exr --size 640x480 -q
+exits 143
+gone a.exr
+says err "stopped before the first sample: nothing was written"
+end
+
+begin "checkpoints that cannot be written: the first is told of, and then ever fewer"
+kept_scene
+sed -i -e 's/samples = 200/samples = 1000000/' kept.mns
+mkdir there
+"$program" render kept.mns -o there/a.exr --caustics off --checkpoint 1s -t 7s --progress none 2> err &
+child=$!
+sleep 0.5
+mv there elsewhere
+wait $child
+told=$(grep -c "the render goes on without this checkpoint" err)
+[ "$told" -ge 2 ] && [ "$told" -le 4 ] || flunk "it is told of $told times"
+says err "as without the 1 before it"
+end
