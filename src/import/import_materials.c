@@ -201,6 +201,7 @@ static void write_medium(Importer *im, const ImportMaterial *material)
             said->facts[FACT_EMISSION_COLOR][2] >
         0)
         import_note(im, "what is clear does not shine by its surface: its emission is not taken");
+    import_note_filled(im, said);
     if (picture_is_given(&said->pictures[PICTURE_BASE_COLOR]))
         import_note(im, "a medium is of one colour: the picture of its colour is not taken");
     node_end(&node);

@@ -126,6 +126,8 @@ void import_add_matter(const Importer *im, const ImportItem *item, NodeText *nod
 void import_write_materials(Importer *im);
 void import_write_surface(Importer *im, const ImportMaterial *material);
 void import_write_boundary(Importer *im, const ImportMaterial *material);
+/* Notes what has no place in a medium and its boundary. */
+void import_note_filled(Importer *im, const MeshMaterial *said);
 /* Held to 0..1. */
 double import_fraction(const MeshMaterial *said, MaterialFact fact);
 /* How much of the light that is not mirrored goes through; said may be NULL. */

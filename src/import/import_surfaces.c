@@ -97,12 +97,20 @@ static void add_relief(NodeText *node, const MeshMaterial *said)
     }
 }
 
+/* How much its skin mirrors of what its index makes it mirror: the mean of the channels. */
+static double skin_factor(const MeshMaterial *said)
+{
+    const double *color = said->facts[FACT_SPECULAR_COLOR];
+    double grey = (double_max(color[0], 0) + double_max(color[1], 0) + double_max(color[2], 0)) / 3;
+    return import_fraction(said, FACT_SPECULAR) * double_min(grey, 1);
+}
+
 static void add_skin(NodeText *node, const MeshMaterial *said, bool metal)
 {
     Importer *im = node->im;
-    double specular = import_fraction(said, FACT_SPECULAR);
     const double *color = said->facts[FACT_SPECULAR_COLOR];
-    bool skin = specular > 0 && largest(color) > 0;
+    double specular = skin_factor(said);
+    bool skin = specular > 0;
     if (skin && !metal) node_number(node, "ior", import_index(said));
     if (skin && !metal && specular < 1) node_number(node, "specular", specular);
     if (!metal && skin && (fabs(color[0] - color[1]) > 0.02 || fabs(color[1] - color[2]) > 0.02))
@@ -201,6 +209,26 @@ static void note_left_out(Importer *im, const MeshMaterial *said, bool thin)
                 {PICTURE_ANISOTROPY, "anisotropy"}};
     for (size_t i = 0; i < COUNT_OF(rows); i++)
         if (has_picture(said, rows[i].picture)) import_note(im, "its picture of %s is not taken", rows[i].what);
+    double metal = import_fraction(said, FACT_METAL);
+    if (!said->unlit && metal > 0.005 && import_fraction(said, FACT_TRANSMISSION) > 0.005)
+        import_note(im, "metal lets no light through: of its transmission %.3g is left, as metallicFactor is %.3g%s",
+                    import_transmission(said), metal,
+                    material_says(said, FACT_METAL) ? "" : " where the file does not say it");
+    if (!(import_fraction(said, FACT_FILM) > 0)) return;
+    if (thin && import_fraction(said, FACT_FILM) < 0.999)
+        import_note(im, "its iridescence is taken whole, of which the file has %.3g", import_fraction(said, FACT_FILM));
+}
+
+void import_note_filled(Importer *im, const MeshMaterial *said)
+{
+    note_left_out(im, said, false);
+    if (import_fraction(said, FACT_COAT) > 0) import_note(im, "what is filled has no coat: its coat is not taken");
+    if (largest(said->facts[FACT_SHEEN_COLOR]) > 0)
+        import_note(im, "what is filled has no fuzz: its sheen is not taken");
+    if (fabs(skin_factor(said) - 1) > 0.01)
+        import_note(im, "what is filled mirrors by its index alone: its specular is not taken");
+    if (said->alpha == ALPHA_BLEND && import_fraction(said, FACT_OPACITY) < 0.999)
+        import_note(im, "what is filled has no holes: its opacity is not taken");
 }
 
 /* ---- surfaces ---- */

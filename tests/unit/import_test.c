@@ -211,6 +211,9 @@ static void opaque_materials_become_surfaces(void **state)
         {"{\"name\": \"Stuff\"}", "surface stuff { albedo = 1  metalness = 1  roughness = 1 }"},
         {LOOK("") ", \"extensions\": {\"KHR_materials_specular\": {\"specularFactor\": 0}}}",
          "surface stuff { albedo = 1 }"},
+        {LOOK("") ", \"extensions\": {\"KHR_materials_specular\": {\"specularFactor\": 0.8, \"specularColorFactor\": "
+                  "[0.5, 0.5, 0.5]}}}",
+         "surface stuff { albedo = 1  ior = 1.5  specular = 0.4 }"},
         {LOOK("") ", \"extensions\": {\"KHR_materials_clearcoat\": {\"clearcoatFactor\": 0.5, "
                   "\"clearcoatRoughnessFactor\": 0.1}}}",
          "surface stuff { albedo = 1  ior = 1.5  coat = 0.5  coat_roughness = 0.1 }"},
@@ -644,6 +647,33 @@ static void pictures_of_wavefront_materials_stand_behind_options(void **state)
     }
 }
 
+static void what_has_no_place_in_a_material_is_told_of(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *material, *note;
+    } cases[] = {
+        {"{\"name\": \"Stuff\", \"extensions\": {\"KHR_materials_transmission\": {\"transmissionFactor\": 1}}}",
+         "metal lets no light through: of its transmission 0 is left, as metallicFactor is 1 where the file does not "
+         "say it"},
+        {LOOK("") ", \"extensions\": {\"KHR_materials_transmission\": {\"transmissionFactor\": 1}, "
+                  "\"KHR_materials_clearcoat\": {\"clearcoatFactor\": 1}}}",
+         "its coat is not taken"},
+        {LOOK("") ", \"extensions\": {\"KHR_materials_transmission\": {\"transmissionFactor\": 1}, "
+                  "\"KHR_materials_specular\": {\"specularFactor\": 0.5}}}",
+         "its specular is not taken"},
+        {LOOK("") ", \"extensions\": {\"KHR_materials_transmission\": {\"transmissionFactor\": 1}, "
+                  "\"KHR_materials_iridescence\": {\"iridescenceFactor\": 1}}}",
+         "its iridescence is not taken"},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        Made made;
+        import_material(&made, CLOSED, cases[i].material);
+        assert_notes(&made, cases[i].note);
+        made_clear(&made);
+    }
+}
+
 /* Several names, one with blanks, and what is told of where one is not there, or describes nothing. */
 static void libraries_that_are_not_there_are_told_of(void **state)
 {
@@ -695,6 +725,7 @@ int main(void)
         cmocka_unit_test(wavefront_materials_are_understood),
         cmocka_unit_test(pictures_of_wavefront_materials_stand_behind_options),
         cmocka_unit_test(libraries_that_are_not_there_are_told_of),
+        cmocka_unit_test(what_has_no_place_in_a_material_is_told_of),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
