@@ -30,6 +30,13 @@ static bool is_out_of_view(const SceneCamera *camera, const SceneFilm *film, Box
     return false;
 }
 
+/* A floor that is looked straight at is meant to be seen, as that which light falls on. */
+static bool faces_plane(const Scene *scene, const SceneCamera *camera, uint32_t object)
+{
+    Vec3 normal = affine_vector(&scene->objects[object].to_world, vec3(0, 1, 0));
+    return scene_is_plane(scene, object) && fabs(vec3_dot(normal, camera->forward)) > 0.7 * vec3_length(normal);
+}
+
 void report_empty_view(const CompiledScene *compiled, uint32_t number, Diag *diag)
 {
     const Scene *scene = compiled->scene;
@@ -45,8 +52,11 @@ void report_empty_view(const CompiledScene *compiled, uint32_t number, Diag *dia
         if (object->part_of != SCENE_NONE) continue;
         Box3 box = scene_object_bounds(scene, object, NULL);
         if (box3_is_empty(box)) continue;
-        endless |= box3_is_unbounded(box);
-        if (box3_is_unbounded(box)) continue;
+        if (box3_is_unbounded(box)) {
+            if (faces_plane(scene, camera, i)) return;
+            endless = true;
+            continue;
+        }
         bool behind;
         if (!is_out_of_view(camera, &scene->film, box, &behind)) return;
         all_behind = all_behind && behind;

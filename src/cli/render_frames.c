@@ -73,6 +73,10 @@ static Status check_names(const RenderRun *run, Error *error)
     const OutputPlan *plan = &run->plan;
     if (plan->n < 2 || run->frames.n < 2) return STATUS_OK;
     size_t size = plan->n * run->frames.n * sizeof(char *), made = 0;
+    for (size_t k = 1; k < plan->n; k++)
+        for (size_t i = 0; i < k; i++)
+            if (strcmp(plan->names[i], plan->names[k]) == 0)
+                return fail(error, STATUS_USAGE, "output '%s' is named twice", plan->names[k]);
     char **names = malloc(size);
     Status status = names ? STATUS_OK : fail_memory(error, size, "the names of outputs");
     for (size_t k = 0; k < plan->n; k++)

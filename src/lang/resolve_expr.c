@@ -765,6 +765,14 @@ static void split_bare_placement(Resolver *resolver, NodeExpr *node)
     node->name = NULL;
 }
 
+/* As it is written: the file's name before the macro's. */
+static const char *path_text(const Resolver *resolver, const Path *path)
+{
+    const char *text = path->names[0]->text;
+    for (uint32_t i = 1; i < path->n; i++) text = arena_format(resolver->arena, "%s.%s", text, path->names[i]->text);
+    return text;
+}
+
 void resolve_node(Resolver *resolver, NodeExpr *node, bool expression)
 {
     split_bare_placement(resolver, node);
@@ -776,7 +784,8 @@ void resolve_node(Resolver *resolver, NodeExpr *node, bool expression)
             diag_report(resolver->diag, D_NOT_A_MACRO, node->path.span,
                         expression ? "a macro places nodes; it is no value" : "'%s' is a function, not a macro", name);
         if (expression && node->def->block)
-            diag_hint(resolver->diag, report, "a group of what it places is one: group { %s { ... } }", name);
+            diag_hint(resolver->diag, report, "a group of what it places is one: group { %s { ... } }",
+                      path_text(resolver, &node->path));
         else if (node->def->body)
             hint_at_call(resolver, report, node->def, name);
         if (node->path.n == 1 && schema_node(resolver->schema, name)) {

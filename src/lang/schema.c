@@ -360,6 +360,10 @@ static void hint_form(const Check *check, const Value *value, Diagnostic *report
     if (kind == PROP_VECTOR3 && number) hint_measure(check, UNIT_NONE, report);
     if (kind == PROP_NUMBER) hint_brightness(check, value, report);
     if (kind == PROP_TERM && number) hint_term(check, value->as.number, report);
+    if ((kind == PROP_TERM || kind == PROP_NUMBER_OR_TERM) && value->kind == VALUE_NODE &&
+        strcmp(value->as.node->type->name, "medium") == 0)
+        diag_hint(diag, report, "an object takes a whole medium: interior = %s",
+                  eval_written(check->evaluator, check->expr->span, 40, "\n{", "NAME"));
     if (report->hint) return;
     if ((kind == PROP_VECTOR3 || kind == PROP_VECTOR2) && number) {
         const char *axes = kind == PROP_VECTOR3 ? "<x, y, z>" : "<x, y>";
