@@ -10,7 +10,7 @@
 #include "base/array.h"
 #include "shape/meshed.h"
 
-enum { MAX_DEPTH = 24, MAX_POINTS = 4096 };
+enum { MAX_DEPTH = 24, MAX_POINTS = 4096, MILLIONS_OF_FACES = 10 /* about 3 GB */ };
 static const double right_angle = 0.5 * MEN_PI;
 static const double largest_turn = 0.07; /* radians from chord to chord: 4 degrees */
 static const double shortest_chord = 1e-4;
@@ -127,6 +127,11 @@ Status mesh_make_superellipsoid(double e, double n, Vec3 radii, double tolerance
     Grower grower = {0};
     Status status = make_curve(&section, error);
     if (status == STATUS_OK) status = make_curve(&meridian, error);
+    double millions = 8e-6 * (double)section.n * (double)meridian.n;
+    if (status == STATUS_OK && millions > MILLIONS_OF_FACES)
+        status = fail(error, STATUS_SCENE,
+                      "the superellipsoid needs some %.0f million faces, and may have %d; make the tolerance larger",
+                      millions, MILLIONS_OF_FACES);
     for (unsigned quarter = 0; quarter < 4 && status == STATUS_OK; quarter++)
         for (size_t i = 0; i + 1 < section.n; i++) {
             const CurvePoint s[2] = {around(&section, quarter, i), around(&section, quarter, i + 1)};

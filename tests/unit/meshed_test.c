@@ -397,6 +397,7 @@ static void superellipsoids(void **state)
         }
     REFUSED("superellipsoid { interior = glass exponents = <0, 1> }", D_VALUE_OUT_OF_RANGE);
     REFUSED("superellipsoid { interior = glass }", D_MISSING_PROPERTY);
+    REFUSED("superellipsoid { interior = glass exponents = <.5, .5> tolerance = 1e-7 }", D_DEGENERATE_SHAPE);
 }
 
 static void height_fields(void **state)
