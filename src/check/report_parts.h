@@ -85,6 +85,9 @@ void report_enclosed(const CompiledScene *compiled, Diag *diag);
 /* Remarks on clear solids that touch opaque objects. */
 void report_contacts(const CompiledScene *compiled, Diag *diag);
 
+/* Remarks on clear solids of which much is within something opaque. */
+void report_buried(const CompiledScene *compiled, Diag *diag);
+
 /* Remarks on thin opaque sheets, as labels, that lie in clear solids just below their surface. */
 void report_sunken(const CompiledScene *compiled, Diag *diag);
 

@@ -733,6 +733,7 @@ void report_remarks(const CompiledScene *compiled, Diag *diag)
         remark_still_animation(&r);
         report_coarse_places(compiled, diag);
         report_contacts(compiled, diag);
+        report_buried(compiled, diag);
         report_sunken(compiled, diag);
         report_portals(compiled, diag);
         remark_loose_liquid(&r);

@@ -1,0 +1,151 @@
+/* report_buried.c - clear solids much of which is within something opaque, so that little light goes through what is left: a gem whose
+ * girdle was placed on the table rather than its tip, a ball in the ground up to its middle.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include <math.h>
+
+#include "base/hash.h"
+#include "check/report_parts.h"
+
+enum { LINES = 240 };
+/* Of a volume: of a brilliant on its girdle it is a half. What is held by a socket or a frame has less. */
+static const double most_sunk = 0.4;
+
+typedef struct Buried {
+    double volume, within;
+    uint32_t object; /* that much of it is within */
+} Buried;
+
+/* Opaque planes, behind which nothing is seen. */
+enum { MOST_PLANES = 8 };
+typedef struct Planes {
+    uint32_t n, objects[MOST_PLANES];
+    Vec3 points[MOST_PLANES], seen[MOST_PLANES]; /* on each, and the normal on the first camera's side */
+} Planes;
+
+static void find_planes(const CompiledScene *compiled, Planes *planes)
+{
+    const Scene *scene = compiled->scene;
+    planes->n = 0;
+    for (uint32_t i = 0; i < scene->n_objects && scene->n_cameras && planes->n < MOST_PLANES; i++) {
+        const SceneObject *object = &scene->objects[i];
+        if (!scene_is_plane(scene, i) || object->part_of != SCENE_NONE || compiled->hull_of_object[i] != SCENE_NONE ||
+            scene_is_thin(scene, i))
+            continue;
+        Vec3 normal = affine_normal(&object->to_world, vec3(0, 1, 0)), point = object->to_world.t;
+        double side = vec3_dot(vec3_sub(scene->cameras[0].from, point), normal) < 0 ? -1 : 1;
+        planes->objects[planes->n] = i;
+        planes->points[planes->n] = point;
+        planes->seen[planes->n++] = vec3_scale(normal, side);
+    }
+}
+
+static uint32_t plane_before(const Planes *planes, Vec3 place)
+{
+    for (uint32_t i = 0; i < planes->n; i++)
+        if (vec3_dot(vec3_sub(place, planes->points[i]), planes->seen[i]) < 0) return planes->objects[i];
+    return SCENE_NONE;
+}
+
+/* The opaque object that a place is inside of, by what a ray from there meets first of those; SCENE_NONE: none. Combinations are
+ * passed over. */
+static uint32_t opaque_around(const CompiledScene *compiled, Vec3 place, Vec3f direction, double time, HitList *hits)
+{
+    const Scene *scene = compiled->scene;
+    Ray ray = ray_make(place, direction);
+    ray.time = time;
+    rtc_all(compiled->rtc, &ray, false, hits);
+    for (size_t i = 0; i < hits->n; i++) {
+        uint32_t number = hits->items[i].object;
+        const SceneObject *object = &scene->objects[number];
+        if (compiled->hull_of_object[number] != SCENE_NONE || object->light != SCENE_NONE) continue;
+        bool solid = scene->shapes[object->shape].closed && !scene_is_plane(scene, number);
+        return solid && !hits->items[i].entering && !scene_is_thin(scene, number) ? number : SCENE_NONE;
+    }
+    return SCENE_NONE;
+}
+
+/* Places along lines through the hull, one for each stretch within it, which stands for the stretch. */
+static bool find_buried(const CompiledScene *compiled, const Planes *planes, Probe *probe, HitList *hits, uint32_t hull,
+                        uint32_t n_lines, Buried *buried)
+{
+    uint64_t n = 0;
+    *buried = (Buried){.object = SCENE_NONE};
+    for (int direction = 0; direction < LINE_DIRECTIONS; direction++) {
+        LineSet set;
+        Line line;
+        line_set_begin(&set, compiled->hull_bounds[hull], direction, n_lines / LINE_DIRECTIONS, hull);
+        while (probe_next_line(probe, compiled, &set, hull, &line)) {
+            if (probe->out_of_memory || hits->out_of_memory) return false;
+            for (uint32_t i = probe->first[hull]; i != INTERVAL_NONE; i = probe->intervals[i].next) {
+                const Interval *in = &probe->intervals[i];
+                double volume = (in->end - in->begin) * line.area;
+                double t = in->begin + (in->end - in->begin) * hash_to_unit(hash_u64(n++));
+                Vec3 place = vec3_along(line.start, t, vec3_from_f(line.direction));
+                uint32_t object = plane_before(planes, place);
+                if (object == SCENE_NONE)
+                    object = opaque_around(compiled, place, line.direction, line_time(compiled, &line), hits);
+                buried->volume += volume;
+                if (object == SCENE_NONE || (buried->object != SCENE_NONE && object != buried->object)) continue;
+                buried->object = object;
+                buried->within += volume;
+            }
+        }
+    }
+    return true;
+}
+
+/* Of many things that one line strews some are sunk by chance: nobody wants to know, unless all of them are. */
+static bool is_chance(const CompiledScene *compiled, uint32_t hull, uint32_t n_buried)
+{
+    const SceneObject *first = report_object(compiled, hull);
+    uint32_t n = 0;
+    for (uint32_t h = 0; h < compiled->n_hulls; h++)
+        n += span_same_place(report_object(compiled, h)->span, first->span);
+    return n > n_buried;
+}
+
+static void report_one(const CompiledScene *compiled, uint32_t hull, const Buried *buried, uint32_t n, Diag *diag)
+{
+    const SceneObject *object = report_object(compiled, hull), *opaque = &compiled->scene->objects[buried->object];
+    Diagnostic *report =
+        diag_report(diag, D_MOSTLY_BURIED, object->span,
+                    "about %.0f %% of %s lies %s %s, which is opaque: nothing of that is seen, and the rest is "
+                    "dark, as little light goes through it",
+                    100 * buried->within / buried->volume, object->name,
+                    scene_is_plane(compiled->scene, buried->object) ? "behind" : "within", opaque->name);
+    if (n > 1) diag_note_nowhere(diag, report, "and so do %u more that this line places", (unsigned)(n - 1));
+    diag_note(diag, report, opaque->span, "%s is here", opaque->name);
+    diag_hint(diag, report, "its lowest place is at y = %.4g: to stand on %s, it is to be lifted by translate()",
+              compiled->hull_bounds[hull].min.y, opaque->name);
+}
+
+/* Of liquids a basin that is filled may hold as much. Where memory ends there is no remark. */
+void report_buried(const CompiledScene *compiled, Diag *diag)
+{
+    Probe probe;
+    HitList hits = {0};
+    Planes planes;
+    Buried groups[REPORT_MOST];
+    ReportLikes likes = {.n = 0};
+    uint32_t n_lines = report_lines_of_each(compiled->n_hulls);
+    bool good = probe_init(&probe, compiled, NULL) == STATUS_OK;
+    if (n_lines > LINES) n_lines = LINES;
+    find_planes(compiled, &planes);
+    for (uint32_t h = 0; good && h < compiled->n_hulls; h++) {
+        const NestHull *hull = &compiled->hulls[h];
+        Buried buried;
+        if (hull->state == NEST_LIQUID || hull->state == NEST_GAS || hull->mixes ||
+            box3_is_unbounded(compiled->hull_bounds[h]))
+            continue;
+        good = find_buried(compiled, &planes, &probe, &hits, h, n_lines, &buried);
+        if (!good || !(buried.within > most_sunk * buried.volume) || buried.within > 0.999 * buried.volume) continue;
+        uint32_t group =
+            report_count_like(&likes, report_object(compiled, h), &compiled->scene->objects[buried.object], h);
+        if (group < REPORT_MOST && likes.counts[group] == 1) groups[group] = buried;
+    }
+    for (uint32_t i = 0; i < likes.n; i++)
+        if (!is_chance(compiled, (uint32_t)likes.first[i], likes.counts[i]))
+            report_one(compiled, (uint32_t)likes.first[i], &groups[i], likes.counts[i], diag);
+    hit_list_clear(&hits);
+    probe_clear(&probe);
+}
