@@ -15,22 +15,34 @@ typedef struct Buried {
     uint32_t object; /* that much of it is within */
 } Buried;
 
-/* Opaque planes, behind which nothing is seen. */
+/* Opaque planes, behind which nothing is seen, and where all else is that is opaque. */
 enum { MOST_PLANES = 8 };
 typedef struct Planes {
     uint32_t n, objects[MOST_PLANES];
     Vec3 points[MOST_PLANES], seen[MOST_PLANES]; /* on each, and the normal on the first camera's side */
+    Box3 others;
 } Planes;
+
+static bool is_opaque(const CompiledScene *compiled, uint32_t number)
+{
+    const SceneObject *object = &compiled->scene->objects[number];
+    return compiled->hull_of_object[number] == SCENE_NONE && object->part_of == SCENE_NONE &&
+           object->tree == SCENE_NONE && object->light == SCENE_NONE && !scene_is_thin(compiled->scene, number);
+}
 
 static void find_planes(const CompiledScene *compiled, Planes *planes)
 {
     const Scene *scene = compiled->scene;
-    planes->n = 0;
-    for (uint32_t i = 0; i < scene->n_objects && scene->n_cameras && planes->n < MOST_PLANES; i++) {
+    SceneShapeBox known = {0};
+    *planes = (Planes){.others = box3_empty()};
+    for (uint32_t i = 0; i < scene->n_objects; i++) {
         const SceneObject *object = &scene->objects[i];
-        if (!scene_is_plane(scene, i) || object->part_of != SCENE_NONE || compiled->hull_of_object[i] != SCENE_NONE ||
-            scene_is_thin(scene, i))
+        if (!is_opaque(compiled, i)) continue;
+        if (!scene_is_plane(scene, i)) {
+            planes->others = box3_union(planes->others, scene_next_box_around(scene, object, &known));
             continue;
+        }
+        if (!scene->n_cameras || planes->n == MOST_PLANES) continue;
         Vec3 normal = affine_normal(&object->to_world, vec3(0, 1, 0)), point = object->to_world.t;
         double side = vec3_dot(vec3_sub(scene->cameras[0].from, point), normal) < 0 ? -1 : 1;
         planes->objects[planes->n] = i;
@@ -46,6 +58,18 @@ static uint32_t plane_before(const Planes *planes, Vec3 place)
     return SCENE_NONE;
 }
 
+/* A quick look. */
+static bool may_be_buried(const Planes *planes, Box3 box)
+{
+    Vec3 middle = box3_centre(box), half = vec3_scale(vec3_sub(box.max, box.min), 0.5);
+    for (uint32_t i = 0; i < planes->n; i++) {
+        Vec3 seen = planes->seen[i];
+        double reach = fabs(seen.x) * half.x + fabs(seen.y) * half.y + fabs(seen.z) * half.z;
+        if (vec3_dot(vec3_sub(middle, planes->points[i]), seen) < reach) return true;
+    }
+    return box3_meets(planes->others, box);
+}
+
 /* The opaque object that a place is inside of, by what a ray from there meets first of those; SCENE_NONE: none. Combinations are
  * passed over. */
 static uint32_t opaque_around(const CompiledScene *compiled, Vec3 place, Vec3f direction, double time, HitList *hits)
@@ -57,9 +81,8 @@ static uint32_t opaque_around(const CompiledScene *compiled, Vec3 place, Vec3f d
     for (size_t i = 0; i < hits->n; i++) {
         uint32_t number = hits->items[i].object;
         const SceneObject *object = &scene->objects[number];
-        if (compiled->hull_of_object[number] != SCENE_NONE || object->light != SCENE_NONE) continue;
-        bool solid = scene->shapes[object->shape].closed && !scene_is_plane(scene, number);
-        return solid && !hits->items[i].entering && !scene_is_thin(scene, number) ? number : SCENE_NONE;
+        if (!is_opaque(compiled, number) || scene_is_plane(scene, number)) continue;
+        return scene->shapes[object->shape].closed && !hits->items[i].entering ? number : SCENE_NONE;
     }
     return SCENE_NONE;
 }
@@ -135,7 +158,7 @@ void report_buried(const CompiledScene *compiled, Diag *diag)
         const NestHull *hull = &compiled->hulls[h];
         Buried buried;
         if (hull->state == NEST_LIQUID || hull->state == NEST_GAS || hull->mixes ||
-            box3_is_unbounded(compiled->hull_bounds[h]))
+            box3_is_unbounded(compiled->hull_bounds[h]) || !may_be_buried(&planes, compiled->hull_bounds[h]))
             continue;
         good = find_buried(compiled, &planes, &probe, &hits, h, n_lines, &buried);
         if (!good || !(buried.within > most_sunk * buried.volume) || buried.within > 0.999 * buried.volume) continue;
