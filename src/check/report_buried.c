@@ -17,11 +17,11 @@ typedef struct Buried {
 
 /* Opaque planes, behind which nothing is seen, and where all else is that is opaque. */
 enum { MOST_PLANES = 8 };
-typedef struct Planes {
-    uint32_t n, objects[MOST_PLANES];
+typedef struct OpaqueThings {
+    uint32_t n_planes, objects[MOST_PLANES];
     Vec3 points[MOST_PLANES], seen[MOST_PLANES]; /* on each, and the normal on the first camera's side */
     Box3 others;
-} Planes;
+} OpaqueThings;
 
 static bool is_opaque(const CompiledScene *compiled, uint32_t number)
 {
@@ -30,44 +30,44 @@ static bool is_opaque(const CompiledScene *compiled, uint32_t number)
            object->tree == SCENE_NONE && object->light == SCENE_NONE && !scene_is_thin(compiled->scene, number);
 }
 
-static void find_planes(const CompiledScene *compiled, Planes *planes)
+static void find_opaque(const CompiledScene *compiled, OpaqueThings *opaque)
 {
     const Scene *scene = compiled->scene;
     SceneShapeBox known = {0};
-    *planes = (Planes){.others = box3_empty()};
+    *opaque = (OpaqueThings){.others = box3_empty()};
     for (uint32_t i = 0; i < scene->n_objects; i++) {
         const SceneObject *object = &scene->objects[i];
         if (!is_opaque(compiled, i)) continue;
         if (!scene_is_plane(scene, i)) {
-            planes->others = box3_union(planes->others, scene_next_box_around(scene, object, &known));
+            opaque->others = box3_union(opaque->others, scene_next_box_around(scene, object, &known));
             continue;
         }
-        if (!scene->n_cameras || planes->n == MOST_PLANES) continue;
+        if (!scene->n_cameras || opaque->n_planes == MOST_PLANES) continue;
         Vec3 normal = affine_normal(&object->to_world, vec3(0, 1, 0)), point = object->to_world.t;
         double side = vec3_dot(vec3_sub(scene->cameras[0].from, point), normal) < 0 ? -1 : 1;
-        planes->objects[planes->n] = i;
-        planes->points[planes->n] = point;
-        planes->seen[planes->n++] = vec3_scale(normal, side);
+        opaque->objects[opaque->n_planes] = i;
+        opaque->points[opaque->n_planes] = point;
+        opaque->seen[opaque->n_planes++] = vec3_scale(normal, side);
     }
 }
 
-static uint32_t plane_before(const Planes *planes, Vec3 place)
+static uint32_t plane_before(const OpaqueThings *opaque, Vec3 place)
 {
-    for (uint32_t i = 0; i < planes->n; i++)
-        if (vec3_dot(vec3_sub(place, planes->points[i]), planes->seen[i]) < 0) return planes->objects[i];
+    for (uint32_t i = 0; i < opaque->n_planes; i++)
+        if (vec3_dot(vec3_sub(place, opaque->points[i]), opaque->seen[i]) < 0) return opaque->objects[i];
     return SCENE_NONE;
 }
 
 /* A quick look. */
-static bool may_be_buried(const Planes *planes, Box3 box)
+static bool may_be_buried(const OpaqueThings *opaque, Box3 box)
 {
     Vec3 middle = box3_centre(box), half = vec3_scale(vec3_sub(box.max, box.min), 0.5);
-    for (uint32_t i = 0; i < planes->n; i++) {
-        Vec3 seen = planes->seen[i];
+    for (uint32_t i = 0; i < opaque->n_planes; i++) {
+        Vec3 seen = opaque->seen[i];
         double reach = fabs(seen.x) * half.x + fabs(seen.y) * half.y + fabs(seen.z) * half.z;
-        if (vec3_dot(vec3_sub(middle, planes->points[i]), seen) < reach) return true;
+        if (vec3_dot(vec3_sub(middle, opaque->points[i]), seen) < reach) return true;
     }
-    return box3_meets(planes->others, box);
+    return box3_meets(opaque->others, box);
 }
 
 /* The opaque object that a place is inside of, by what a ray from there meets first of those; SCENE_NONE: none. Combinations are
@@ -88,8 +88,8 @@ static uint32_t opaque_around(const CompiledScene *compiled, Vec3 place, Vec3f d
 }
 
 /* Places along lines through the hull, one for each stretch within it, which stands for the stretch. */
-static bool find_buried(const CompiledScene *compiled, const Planes *planes, Probe *probe, HitList *hits, uint32_t hull,
-                        uint32_t n_lines, Buried *buried)
+static bool find_buried(const CompiledScene *compiled, const OpaqueThings *opaque, Probe *probe, HitList *hits,
+                        uint32_t hull, uint32_t n_lines, Buried *buried)
 {
     uint64_t n = 0;
     *buried = (Buried){.object = SCENE_NONE};
@@ -104,7 +104,7 @@ static bool find_buried(const CompiledScene *compiled, const Planes *planes, Pro
                 double volume = (in->end - in->begin) * line.area;
                 double t = in->begin + (in->end - in->begin) * hash_to_unit(hash_u64(n++));
                 Vec3 place = vec3_along(line.start, t, vec3_from_f(line.direction));
-                uint32_t object = plane_before(planes, place);
+                uint32_t object = plane_before(opaque, place);
                 if (object == SCENE_NONE)
                     object = opaque_around(compiled, place, line.direction, line_time(compiled, &line), hits);
                 buried->volume += volume;
@@ -147,20 +147,20 @@ void report_buried(const CompiledScene *compiled, Diag *diag)
 {
     Probe probe;
     HitList hits = {0};
-    Planes planes;
+    OpaqueThings opaque;
     Buried groups[REPORT_MOST];
     ReportLikes likes = {.n = 0};
     uint32_t n_lines = report_lines_of_each(compiled->n_hulls);
     bool good = probe_init(&probe, compiled, NULL) == STATUS_OK;
     if (n_lines > LINES) n_lines = LINES;
-    find_planes(compiled, &planes);
+    find_opaque(compiled, &opaque);
     for (uint32_t h = 0; good && h < compiled->n_hulls; h++) {
         const NestHull *hull = &compiled->hulls[h];
         Buried buried;
         if (hull->state == NEST_LIQUID || hull->state == NEST_GAS || hull->mixes ||
-            box3_is_unbounded(compiled->hull_bounds[h]) || !may_be_buried(&planes, compiled->hull_bounds[h]))
+            box3_is_unbounded(compiled->hull_bounds[h]) || !may_be_buried(&opaque, compiled->hull_bounds[h]))
             continue;
-        good = find_buried(compiled, &planes, &probe, &hits, h, n_lines, &buried);
+        good = find_buried(compiled, &opaque, &probe, &hits, h, n_lines, &buried);
         if (!good || !(buried.within > most_sunk * buried.volume) || buried.within > 0.999 * buried.volume) continue;
         uint32_t group =
             report_count_like(&likes, report_object(compiled, h), &compiled->scene->objects[buried.object], h);
@@ -169,6 +169,7 @@ void report_buried(const CompiledScene *compiled, Diag *diag)
     for (uint32_t i = 0; i < likes.n; i++)
         if (!is_chance(compiled, (uint32_t)likes.first[i], likes.counts[i]))
             report_one(compiled, (uint32_t)likes.first[i], &groups[i], likes.counts[i], diag);
+    report_others(diag, D_MOSTLY_BURIED, likes.n_others);
     hit_list_clear(&hits);
     probe_clear(&probe);
 }

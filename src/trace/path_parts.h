@@ -89,6 +89,7 @@ typedef struct Path {
     float sought;      /* how much denser directions such as that were chosen than by the surface alone; >= 1 */
     Decision decision; /* at the next boundary */
     uint32_t bounce;   /* events so far: each has random numbers of its own */
+    uint32_t total_reflections; /* by which it came here, in a row */
     float cone_width,
         cone_spread; /* of a cone around the path: see texture_shade.c. Kept where the world has textures */
     bool cone_bent;  /* it has gone through a boundary, or off a mirror */

@@ -447,6 +447,7 @@ typedef struct BoundaryChoice {
     Vec3f direction;
     Lanes reflectance, chosen; /* as often reflection is chosen, per wavelength */
     bool reflected, straight;  /* straight: as often as it reflects */
+    bool total;                /* it lets nothing through */
 } BoundaryChoice;
 
 bool path_look_ahead(Path *path, const SurfacePlace *place, Lanes eta_i, float brightness[2])
@@ -514,6 +515,7 @@ static void choose_at_boundary(Path *path, const SurfacePlace *place, bool flat,
     choice->reflectance = reflectance;
     choice->chosen = chosen;
     /* what is reflected totally takes no random number */
+    choice->total = !passes;
     choice->reflected = !passes || decide(path, lanes_get(chosen, 0));
     choice->direction = choice->reflected ? back : on;
 }
@@ -533,6 +535,21 @@ static void weigh_choice(Path *path, const BoundaryChoice *choice, bool bends_al
     if (!bends_alike) path->ratio = lanes_mul(path->ratio, carried);
     if (!choice->straight) carried = lanes_scale(carried, (1 - hero) / (1 - chosen));
     if (!bends_alike || !choice->straight) path->beta = lanes_mul(path->beta, carried);
+}
+
+/* A coarse mesh with smooth normals may hold light for ever that came in through it, by total reflections about normals that no face
+ * has: its rim would be dark. After a few of these in a row it gets out where the face itself lets it. */
+ATTR_COLD static void let_out(Path *path, const SurfacePlace *place, Lanes eta_i, Lanes eta_t, BoundaryChoice *choice)
+{
+    enum { MOST_TOTAL = 8 };
+    if (path->total_reflections < MOST_TOTAL) return;
+    Decision decision = path->decision;
+    BoundaryChoice flat;
+    choose_at_boundary(path, place, true, eta_i, eta_t, &flat);
+    if (flat.total)
+        path->decision = decision;
+    else
+        *choice = flat;
 }
 
 bool path_cross_boundary(Path *path, Event *event)
@@ -569,6 +586,8 @@ bool path_cross_boundary(Path *path, Event *event)
         choose_at_boundary(path, &place, true, eta_i, eta_t, &choice);
     }
     weigh_choice(path, &choice, lanes_uniform(eta_i) && lanes_uniform(eta_t));
+    if (UNLIKELY(choice.total)) let_out(path, &place, eta_i, eta_t, &choice);
+    path->total_reflections = choice.total ? path->total_reflections + 1 : 0;
     const uint64_t face = slab_face_at(world, &event->hit, &place);
     if (UNLIKELY(face)) slab_meet_face(path, event, face, choice.reflected, rarity);
     path->scatter_pdf = -1;
