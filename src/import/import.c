@@ -126,6 +126,7 @@ static void write_head(Importer *im)
     static const char *const left_out[MESH_LEFT_COUNT] = {
         [MESH_LEFT_MOTION] = "what moves in the file, is bent by bones or changes its shape stands still here",
         [MESH_LEFT_COLORS] = "colours of vertices are not taken: a picture can have them",
+        [MESH_LEFT_FACE_UVS] = "texture coordinates of faces are not taken: export them as those of vertices",
         [MESH_LEFT_LINES] = "its points and lines have no surface, and are left out",
         [MESH_LEFT_INSTANCES] = "its instances (EXT_mesh_gpu_instancing) are left out: export them as objects",
         [MESH_LEFT_MATERIALS] = "it has more materials than are read: the last ones are plain here",

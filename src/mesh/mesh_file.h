@@ -52,6 +52,7 @@ typedef enum MeshLeft {
     MESH_LEFT_LINES,
     MESH_LEFT_INSTANCES,
     MESH_LEFT_MATERIALS,
+    MESH_LEFT_FACE_UVS,
     MESH_LEFT_COUNT
 } MeshLeft;
 

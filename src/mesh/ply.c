@@ -85,7 +85,7 @@ typedef struct Ply {
     Mesh *mesh;
     size_t n_triangles, triangle_capacity;
     bool has_vertices; /* they were read */
-    bool has_colors;   /* of vertices, which are passed over */
+    unsigned left_out; /* as MeshSource has it */
     FaceCut cut;
 } Ply;
 
@@ -197,7 +197,8 @@ static Status header_property(Ply *ply)
     for (size_t i = 0; !list && element->kind == PLY_VERTEX && i < COUNT_OF(vertex_roles); i++)
         if (strcmp(name, vertex_roles[i].name) == 0) property->role = vertex_roles[i].role;
     if (element->kind == PLY_VERTEX && (strcmp(name, "red") == 0 || strcmp(name, "diffuse_red") == 0))
-        ply->has_colors = true;
+        ply->left_out |= 1U << MESH_LEFT_COLORS;
+    if (list && element->kind == PLY_FACE && strcmp(name, "texcoord") == 0) ply->left_out |= 1U << MESH_LEFT_FACE_UVS;
     if (list && element->kind == PLY_FACE &&
         (strcmp(name, "vertex_indices") == 0 || strcmp(name, "vertex_index") == 0)) {
         if (property->type >= PLY_F32)
@@ -548,7 +549,7 @@ Status mesh_load_ply(const char *path, MeshSource *source, Mesh **mesh, Error *e
     Status status = read_header(ply);
     if (status == STATUS_OK) status = check_header(ply);
     if (status == STATUS_OK) status = read_body(ply);
-    if (source && ply->has_colors) source->left_out |= 1U << MESH_LEFT_COLORS;
+    if (source) source->left_out |= ply->left_out;
     if (status == STATUS_OK)
         *mesh = ply->mesh;
     else

@@ -398,28 +398,34 @@ static void what_is_left_out_is_told(void **state)
     made_clear(&made);
 }
 
-static void colours_of_vertices_are_told_of_all_formats(void **state)
+static void what_vertices_and_faces_have_besides_is_told_of(void **state)
 {
     (void)state;
     static const struct {
         const char *name, *text;
-        bool coloured;
+        const char *note; /* NULL: none */
     } cases[] = {
-        {"model.obj", "v 0 0 0 1 .5 0\nv 1 0 0 1 1 1\nv 0 1 0 1 1 1\nf 1 2 3\n", true},
-        {"model.obj", "v 0 0 0 1\nv 1 0 0 1\nv 0 1 0 1\nf 1 2 3\n", false},
+        {"model.obj", "v 0 0 0 1 .5 0\nv 1 0 0 1 1 1\nv 0 1 0 1 1 1\nf 1 2 3\n", "colours of vertices are not taken"},
+        {"model.obj", "v 0 0 0 1\nv 1 0 0 1\nv 0 1 0 1\nf 1 2 3\n", NULL},
         {"model.ply",
          "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
          "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\n"
          "property list uchar int vertex_indices\nend_header\n0 0 0 1 2 3\n1 0 0 1 2 3\n0 1 0 1 2 3\n3 0 1 2\n",
-         true},
+         "colours of vertices are not taken"},
+        {"model.ply",
+         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face "
+         "1\n"
+         "property list uchar int vertex_indices\nproperty list uchar float texcoord\nend_header\n0 0 0\n1 0 0\n0 1 0\n"
+         "3 0 1 2 6 0 0 1 0 0 1\n",
+         "texture coordinates of faces are not taken"},
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         Made made;
         import_only(&made, cases[i].name, cases[i].text);
-        if (cases[i].coloured)
-            assert_notes(&made, "colours of vertices are not taken");
+        if (cases[i].note)
+            assert_notes(&made, cases[i].note);
         else
-            assert_null(strstr(made.text, "colours of vertices"));
+            assert_null(strstr(made.text, "not taken"));
         made_clear(&made);
     }
 }
@@ -714,7 +720,7 @@ int main(void)
         cmocka_unit_test(lights_and_cameras_stand_where_the_file_has_them),
         cmocka_unit_test(what_is_left_out_is_told),
         cmocka_unit_test(one_wrap_in_place_of_two_is_told),
-        cmocka_unit_test(colours_of_vertices_are_told_of_all_formats),
+        cmocka_unit_test(what_vertices_and_faces_have_besides_is_told_of),
         cmocka_unit_test(a_file_with_very_many_materials_is_read_in_part),
         cmocka_unit_test(long_descriptions_are_whole),
         cmocka_unit_test(lights_beyond_all_measure_are_left_out),
