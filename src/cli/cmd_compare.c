@@ -5,11 +5,10 @@
 #include "cli/commands.h"
 #include "cli/output.h"
 #include "image/compare.h"
-#include "render/brightness.h"
 
-static void print_text(const Comparison *c, double white, bool flip, Buf *out)
+static void print_text(const Comparison *c, bool flip, Buf *out)
 {
-    if (white != 1) buf_format(out, "white           %.6g\n", white);
+    if (c->white != 1) buf_format(out, "white           %.6g\n", c->white);
     buf_format(out, "rmse            %.6g\n", c->rmse);
     buf_format(out, "relative mse    %.6g\n", c->relative_mse);
     buf_format(out, "relative error  %.6g\n", c->relative_error);
@@ -28,11 +27,11 @@ static void add_numbers(JsonWriter *json, const char *key, const double numbers[
     json_end(json);
 }
 
-static void print_json(const Comparison *c, double white, bool flip, Buf *out)
+static void print_json(const Comparison *c, bool flip, Buf *out)
 {
     JsonWriter json = json_writer(out, true);
     json_begin_object(&json);
-    json_add_number(&json, "white", white);
+    json_add_number(&json, "white", c->white);
     json_add_number(&json, "rmse", c->rmse);
     json_add_number(&json, "relativeMse", c->relative_mse);
     json_add_number(&json, "relativeError", c->relative_error);
@@ -79,8 +78,8 @@ static Status read_both(const Options *options, const Talk *talk, Image *a, Imag
 /* What a display shows white of the reference: where its film brightens it, less than 1. */
 static double white_of(const char *path, const Image *image)
 {
-    Brightness brightness = brightness_find(image, 0);
-    return brightness_white(&brightness, output_read_look(path).exposure);
+    ColorLook look = output_read_look(path);
+    return exp2(-output_look_for(image, &look).exposure.stops);
 }
 
 Status cmd_compare(const Options *options, const Talk *talk, Error *error)
@@ -94,9 +93,9 @@ Status cmd_compare(const Options *options, const Talk *talk, Error *error)
     if (status == STATUS_OK) status = image_compare(&a, &b, white, flip, &comparison, error);
     if (status == STATUS_OK) {
         if (option_given(options, OPTION_JSON))
-            print_json(&comparison, white, flip, &out);
+            print_json(&comparison, flip, &out);
         else if (!talk->quiet)
-            print_text(&comparison, white, flip, &out);
+            print_text(&comparison, flip, &out);
         status = print_out(&out, error);
     }
     if (status == STATUS_OK) status = judge(options, &comparison, error);

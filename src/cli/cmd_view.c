@@ -53,7 +53,6 @@ typedef struct Viewed {
     ColorLook look; /* what its file says of how it is shown, and then how it is shown */
 } Viewed;
 
-/* What comes by a pipe is read once, for the picture. */
 static Status read_picture(const char *path, Viewed *viewed, Error *error)
 {
     TRY(image_read_linear(path, &viewed->image, error));

@@ -346,7 +346,7 @@ static void compare_sums(const Image *a, const int rgb_a[3], const Image *b, con
 
 Status image_compare(const Image *a, const Image *b, double white, bool flip, Comparison *comparison, Error *error)
 {
-    *comparison = (Comparison){0};
+    *comparison = (Comparison){.white = white};
     if (a->width != b->width || a->height != b->height)
         return fail(error, STATUS_USAGE, "the pictures differ in size: %lu x %lu and %lu x %lu pixels",
                     (unsigned long)a->width, (unsigned long)a->height, (unsigned long)b->width,

@@ -8,6 +8,7 @@
 /* Over R, G, B of all pixels. relative: squared difference over (reference^2 + (white / 10)^2), meaned.
  * relative_error: of the luminance of all pixels, |difference| over the root of the same, meaned: what a render states as its noise. */
 typedef struct Comparison {
+    double white; /* as it was given */
     double rmse, relative_mse, relative_error, max_difference, mean_a[3], mean_b[3];
     double flip;           /* mean of the FLIP map (Andersson et al. 2020) of the two under the sRGB view, over white */
     uint32_t max_x, max_y; /* where the largest difference is */

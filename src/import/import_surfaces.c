@@ -197,8 +197,11 @@ static void add_emission(NodeText *node, const MeshMaterial *said, const char *w
 /* What has no place in a surface, so that nobody waits for it in the picture. */
 static void note_left_out(Importer *im, const MeshMaterial *said, bool thin)
 {
-    if (import_fraction(said, FACT_FILM) > 0 && !thin)
+    double film = import_fraction(said, FACT_FILM), metal = import_fraction(said, FACT_METAL);
+    if (film > 0 && !thin)
         import_note(im, "light interferes in thin surfaces only: its iridescence is not taken");
+    else if (film > 0 && film < 0.999)
+        import_note(im, "its iridescence is taken whole, of which the file has %.3g", film);
     static const struct {
         MaterialPicture picture;
         const char *what;
@@ -209,14 +212,10 @@ static void note_left_out(Importer *im, const MeshMaterial *said, bool thin)
                 {PICTURE_ANISOTROPY, "anisotropy"}};
     for (size_t i = 0; i < COUNT_OF(rows); i++)
         if (has_picture(said, rows[i].picture)) import_note(im, "its picture of %s is not taken", rows[i].what);
-    double metal = import_fraction(said, FACT_METAL);
     if (!said->unlit && metal > 0.005 && import_fraction(said, FACT_TRANSMISSION) > 0.005)
         import_note(im, "metal lets no light through: of its transmission %.3g is left, as metallicFactor is %.3g%s",
                     import_transmission(said), metal,
                     material_says(said, FACT_METAL) ? "" : " where the file does not say it");
-    if (!(import_fraction(said, FACT_FILM) > 0)) return;
-    if (thin && import_fraction(said, FACT_FILM) < 0.999)
-        import_note(im, "its iridescence is taken whole, of which the file has %.3g", import_fraction(said, FACT_FILM));
 }
 
 void import_note_filled(Importer *im, const MeshMaterial *said)

@@ -385,21 +385,19 @@ static void granite(const Pattern *pattern, const PatternPlace *place, PatternPa
         normal_parts(sum, sqrt(hidden * octave_variance(NOISE_TURBULENCE)), parts);
 }
 
-static double agate_band(double at)
-{
-    return pow(pattern_wave(WAVE_SINE, at), 0.77);
-}
-
 static void agate(const Pattern *pattern, const PatternPlace *place, PatternParts *parts)
 {
+    /* of such a wave, at the middles of sevenths of its rise */
+    static const double bands[SEVENTHS] = {0.03432286945951352, 0.1815836766825379, 0.378393997121226,
+                                           0.5864174746159393,  0.7739673440155534, 0.9149012204519817,
+                                           0.9903332583169479};
     Vec3 p = place->p;
     double twist = 0, weight = 1, frequency = 1;
     for (unsigned i = 0; i < 5; i++, weight *= 0.5, frequency *= 2)
         twist +=
             weight * seen(frequency, place->footprint) * noise_gradient(octave_point(p, frequency, i), pattern->seed);
-    double bands[SEVENTHS];
-    for (int i = 0; i < SEVENTHS; i++) bands[i] = agate_band(0.5 * (i + 0.5) / SEVENTHS);
-    value_or_any(agate_band(1.1 * p.z + 1.3 * twist), seen(1.1, width_along(place, vec3(0, 0, 1))), bands, parts);
+    double band = pow(pattern_wave(WAVE_SINE, 1.1 * p.z + 1.3 * twist), 0.77);
+    value_or_any(band, seen(1.1, width_along(place, vec3(0, 0, 1))), bands, parts);
 }
 
 void pattern_parts(const Pattern *pattern, const PatternPlace *given, PatternParts *parts)

@@ -414,42 +414,37 @@ static void steps_at(const Texture *textures, const Texture *texture, const Text
     for (int k = 0; k < at->n; k++) values[k] = mix_lanes(values[k], high[k], part);
 }
 
-/* Places spread evenly over a footprint, from its middle, in parts of it (the first points of a lattice of rank 1). */
-enum { SPREAD_LOOKS = 8 };
-static TextureLook look_within(const TextureLook *look, int i)
+/* One of n places spread evenly over what a look sees (the first points of a lattice of rank 1): of the picture as it is. */
+static TextureLook look_within(const TextureLook *look, int i, int n)
 {
     TextureLook one = *look;
-    double u = (i + 0.5) / SPREAD_LOOKS, v = 3.0 * i / SPREAD_LOOKS + 0.5 / SPREAD_LOOKS;
+    double u = (i + 0.5) / n, v = 3.0 * i / n + 0.5 / n;
     one.u += (double)look->width_u * (u - 0.5);
     one.v += (double)look->width_v * (v - floor(v) - 0.5);
     one.width_u = one.width_v = 0;
     return one;
 }
 
-/* A ramp over a picture. What its smaller versions have are means of what the ramp makes colours of: half of a net is no thread,
- * and a step would let all of it through. So what is far away is looked at as it is, at some places, which other samples have
- * elsewhere. false: it is not far. */
-static bool ramp_of_far_picture(const Texture *texture, const TexturePlace *place, const Wavelengths *at, Lanes *values)
+/* What smaller versions of a picture have are means of what a ramp makes colours of: half of a net is no thread, and a step would
+ * let all of it through. So what is far away is looked at as it is, at some places, which other samples have elsewhere. */
+static void parts_of_picture(const Texture *texture, const TexturePlace *place, PatternParts *parts)
 {
     TextureLook looks[MOST_LOOKS];
     float weights[MOST_LOOKS], numbers[3];
     int n = find_looks(texture, place, looks, weights);
-    bool far = false;
-    for (int i = 0; i < n; i++) far = far || texture_image_pixels_seen(texture->image, &looks[i]) > 1;
-    if (!far) return false;
-    for (int k = 0; k < at->n; k++) values[k] = lanes_all(0);
-    for (int i = 0; i < SPREAD_LOOKS; i++) {
+    parts->n = 1;
+    for (int i = 0; i < n; i++)
+        if (texture_image_pixels_seen(texture->image, &looks[i]) > 1) parts->n = PATTERN_MOST_PARTS;
+    for (int i = 0; i < parts->n; i++) {
         float part = 0;
         for (int j = 0; j < n; j++) {
-            TextureLook one = look_within(&looks[j], i);
+            TextureLook one = parts->n > 1 ? look_within(&looks[j], i, parts->n) : looks[j];
             texture_image_numbers(texture->image, &one, numbers);
             part += weights[j] * numbers[0];
         }
-        part = float_min(float_max(part, 0), 1);
-        for (int k = 0; k < at->n; k++)
-            values[k] = lanes_add(values[k], lanes_scale(at_stops(texture, part, at->nm[k]), 1.0f / SPREAD_LOOKS));
+        parts->value[i] = (double)float_min(float_max(part, 0), 1);
+        parts->part[i] = 1.0 / parts->n;
     }
-    return true;
 }
 
 static void value_at(const Texture *textures, const Texture *texture, const TexturePlace *place, const Wavelengths *at,
@@ -459,12 +454,11 @@ static void value_at(const Texture *textures, const Texture *texture, const Text
         formula_value(texture, place, at, values);
     } else if (texture->is_value) {
         picture_value(texture, place, at, values);
-    } else if (texture->n_stops && texture->kind == TEXTURE_PATTERN) {
+    } else if (texture->n_stops && (texture->kind == TEXTURE_PATTERN || texture->kind == TEXTURE_IMAGE)) {
         PatternParts parts;
-        parts_of_pattern(texture, place, &parts);
+        (texture->kind == TEXTURE_PATTERN ? parts_of_pattern : parts_of_picture)(texture, place, &parts);
         for (int k = 0; k < at->n; k++) values[k] = at_parts(texture, &parts, at->nm[k]);
-    } else if (!texture->n_stops || texture->kind != TEXTURE_IMAGE ||
-               !ramp_of_far_picture(texture, place, at, values)) {
+    } else {
         steps_at(textures, texture, place, at, values);
     }
 }

@@ -129,11 +129,13 @@ static double profile_beam(const LightProfile *profile)
     bool of_b = profile->type == PROFILE_B, of_c = profile->type == PROFILE_C;
     const float *angles = of_b ? profile->vertical : profile->horizontal;
     uint32_t n = of_b ? profile->n_vertical : profile->n_horizontal;
-    double all = of_c ? 360 : 180, range = (double)angles[n - 1] - (double)angles[0], sum = 0;
+    double all = of_c ? 360 : 180, range = (double)angles[n - 1] - (double)angles[0], sum = 0, before = 0;
     if (n == 1) return all * MEN_DEGREE * along_longitude(profile, (double)angles[0]);
-    for (uint32_t i = 1; i < n; i++)
-        sum += 0.5 * (double)(angles[i] - angles[i - 1]) *
-               (along_longitude(profile, (double)angles[i - 1]) + along_longitude(profile, (double)angles[i]));
+    for (uint32_t i = 0; i < n; i++) {
+        double here = along_longitude(profile, (double)angles[i]);
+        if (i > 0) sum += 0.5 * (double)(angles[i] - angles[i - 1]) * (before + here);
+        before = here;
+    }
     return all / range * MEN_DEGREE * sum; /* the rest is mirrored */
 }
 
