@@ -216,6 +216,12 @@ static inline bool box3_holds_point(Box3 b, Vec3 p)
 {
     return p.x >= b.min.x && p.x <= b.max.x && p.y >= b.min.y && p.y <= b.max.y && p.z >= b.min.z && p.z <= b.max.z;
 }
+/* Number corner of 8: its bits are x, y and z, 1: the larger side. */
+static inline Vec3 box3_corner(Box3 b, int corner)
+{
+    return vec3(corner & 1 ? b.max.x : b.min.x, corner & 2 ? b.max.y : b.min.y, corner & 4 ? b.max.z : b.min.z);
+}
+
 static inline bool box3_meets(Box3 a, Box3 b)
 {
     return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y && a.min.z <= b.max.z &&

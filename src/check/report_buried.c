@@ -15,20 +15,12 @@ typedef struct Buried {
     uint32_t object; /* that much of it is within */
 } Buried;
 
-/* Opaque planes, behind which nothing is seen, and where all else is that is opaque. */
+/* Where there is anything opaque: planes, and a box around all else. */
 enum { MOST_PLANES = 8 };
 typedef struct OpaqueThings {
-    uint32_t n_planes, objects[MOST_PLANES];
-    Vec3 points[MOST_PLANES], seen[MOST_PLANES]; /* on each, and the normal on the first camera's side */
+    uint32_t n_planes, planes[MOST_PLANES];
     Box3 others;
 } OpaqueThings;
-
-static bool is_opaque(const CompiledScene *compiled, uint32_t number)
-{
-    const SceneObject *object = &compiled->scene->objects[number];
-    return compiled->hull_of_object[number] == SCENE_NONE && object->part_of == SCENE_NONE &&
-           object->tree == SCENE_NONE && object->light == SCENE_NONE && !scene_is_thin(compiled->scene, number);
-}
 
 static void find_opaque(const CompiledScene *compiled, OpaqueThings *opaque)
 {
@@ -36,55 +28,27 @@ static void find_opaque(const CompiledScene *compiled, OpaqueThings *opaque)
     SceneShapeBox known = {0};
     *opaque = (OpaqueThings){.others = box3_empty()};
     for (uint32_t i = 0; i < scene->n_objects; i++) {
-        const SceneObject *object = &scene->objects[i];
-        if (!is_opaque(compiled, i)) continue;
-        if (!scene_is_plane(scene, i)) {
-            opaque->others = box3_union(opaque->others, scene_next_box_around(scene, object, &known));
-            continue;
-        }
-        if (!scene->n_cameras || opaque->n_planes == MOST_PLANES) continue;
-        Vec3 normal = affine_normal(&object->to_world, vec3(0, 1, 0)), point = object->to_world.t;
-        double side = vec3_dot(vec3_sub(scene->cameras[0].from, point), normal) < 0 ? -1 : 1;
-        opaque->objects[opaque->n_planes] = i;
-        opaque->points[opaque->n_planes] = point;
-        opaque->seen[opaque->n_planes++] = vec3_scale(normal, side);
+        if (!report_is_opaque(compiled, i)) continue;
+        if (report_is_plane(scene, i) && opaque->n_planes < MOST_PLANES)
+            opaque->planes[opaque->n_planes++] = i;
+        else
+            opaque->others = box3_union(opaque->others, scene_next_box_around(scene, &scene->objects[i], &known));
     }
 }
 
-static uint32_t plane_before(const OpaqueThings *opaque, Vec3 place)
+static uint32_t plane_above(const CompiledScene *compiled, const OpaqueThings *opaque, Vec3 place, HitList *hits)
 {
     for (uint32_t i = 0; i < opaque->n_planes; i++)
-        if (vec3_dot(vec3_sub(place, opaque->points[i]), opaque->seen[i]) < 0) return opaque->objects[i];
+        if (report_is_within(compiled, place, opaque->planes[i], hits)) return opaque->planes[i];
     return SCENE_NONE;
 }
 
 /* A quick look. */
-static bool may_be_buried(const OpaqueThings *opaque, Box3 box)
+static bool may_be_buried(const CompiledScene *compiled, const OpaqueThings *opaque, Box3 box, HitList *hits)
 {
-    Vec3 middle = box3_centre(box), half = vec3_scale(vec3_sub(box.max, box.min), 0.5);
-    for (uint32_t i = 0; i < opaque->n_planes; i++) {
-        Vec3 seen = opaque->seen[i];
-        double reach = fabs(seen.x) * half.x + fabs(seen.y) * half.y + fabs(seen.z) * half.z;
-        if (vec3_dot(vec3_sub(middle, opaque->points[i]), seen) < reach) return true;
-    }
+    for (int corner = 0; corner < 8; corner++)
+        if (plane_above(compiled, opaque, box3_corner(box, corner), hits) != SCENE_NONE) return true;
     return box3_meets(opaque->others, box);
-}
-
-/* The opaque object that a place is inside of, by what a ray from there meets first of those; SCENE_NONE: none. Combinations are
- * passed over. */
-static uint32_t opaque_around(const CompiledScene *compiled, Vec3 place, Vec3f direction, double time, HitList *hits)
-{
-    const Scene *scene = compiled->scene;
-    Ray ray = ray_make(place, direction);
-    ray.time = time;
-    rtc_all(compiled->rtc, &ray, false, hits);
-    for (size_t i = 0; i < hits->n; i++) {
-        uint32_t number = hits->items[i].object;
-        const SceneObject *object = &scene->objects[number];
-        if (!is_opaque(compiled, number) || scene_is_plane(scene, number)) continue;
-        return scene->shapes[object->shape].closed && !hits->items[i].entering ? number : SCENE_NONE;
-    }
-    return SCENE_NONE;
 }
 
 /* Places along lines through the hull, one for each stretch within it, which stands for the stretch. */
@@ -104,9 +68,8 @@ static bool find_buried(const CompiledScene *compiled, const OpaqueThings *opaqu
                 double volume = (in->end - in->begin) * line.area;
                 double t = in->begin + (in->end - in->begin) * hash_to_unit(hash_u64(n++));
                 Vec3 place = vec3_along(line.start, t, vec3_from_f(line.direction));
-                uint32_t object = plane_before(opaque, place);
-                if (object == SCENE_NONE)
-                    object = opaque_around(compiled, place, line.direction, line_time(compiled, &line), hits);
+                uint32_t object = plane_above(compiled, opaque, place, hits);
+                if (object == SCENE_NONE) object = report_body_around(compiled, place, hits);
                 buried->volume += volume;
                 if (object == SCENE_NONE || (buried->object != SCENE_NONE && object != buried->object)) continue;
                 buried->object = object;
@@ -158,7 +121,8 @@ void report_buried(const CompiledScene *compiled, Diag *diag)
         const NestHull *hull = &compiled->hulls[h];
         Buried buried;
         if (hull->state == NEST_LIQUID || hull->state == NEST_GAS || hull->mixes ||
-            box3_is_unbounded(compiled->hull_bounds[h]) || !may_be_buried(&opaque, compiled->hull_bounds[h]))
+            box3_is_unbounded(compiled->hull_bounds[h]) ||
+            !may_be_buried(compiled, &opaque, compiled->hull_bounds[h], &hits))
             continue;
         good = find_buried(compiled, &opaque, &probe, &hits, h, n_lines, &buried);
         if (!good || !(buried.within > most_sunk * buried.volume) || buried.within > 0.999 * buried.volume) continue;

@@ -76,6 +76,15 @@ typedef enum ReportSight {
 ReportSight report_look_at(const CompiledScene *compiled, Probe *probe, uint32_t hull, uint32_t n_lines);
 /* How many lines each of n hulls gets. */
 uint32_t report_lines_of_each(uint32_t n);
+/* A plane that is an object of its own. */
+bool report_is_plane(const Scene *scene, uint32_t object);
+/* Closed or not, thin things, operands and lights left out. */
+bool report_is_opaque(const CompiledScene *compiled, uint32_t object);
+/* Whether a place is within an object, which need not be closed; of planes: below. hits: room for some. */
+bool report_is_within(const CompiledScene *compiled, Vec3 place, uint32_t object, HitList *hits);
+/* The first opaque object that a place is inside of; SCENE_NONE. The second looks at planes, too: at each object of the scene. */
+uint32_t report_body_around(const CompiledScene *compiled, Vec3 place, HitList *hits);
+uint32_t report_cover(const CompiledScene *compiled, Vec3 place, HitList *hits);
 /* Warns of liquids with a thin gap to the opaque vessel that they are in. */
 void report_vessels(const CompiledScene *compiled, Diag *diag);
 

@@ -246,50 +246,6 @@ static double height_of(const Affine *to_plane, Vec3 point)
     return affine_point(to_plane, point).y;
 }
 
-static bool is_plane(const Scene *scene, uint32_t object)
-{
-    return scene->objects[object].part_of == SCENE_NONE && scene_is_plane(scene, object);
-}
-
-static bool is_below(const SceneObject *plane, Vec3 place)
-{
-    Affine to_plane;
-    return affine_invert(&plane->to_world, &to_plane) && height_of(&to_plane, place) < 0;
-}
-
-/* Whether a place is within an object that is no combination, by what a line from there meets. */
-static bool leads_out(uint32_t object, const HitList *hits)
-{
-    int leaving = 0;
-    for (size_t i = 0; i < hits->n; i++)
-        if (hits->items[i].object == object && !hit_repeats(hits, i)) leaving += hits->items[i].entering ? -1 : 1;
-    return leaving == 1;
-}
-
-static bool is_within_combination(Remarks *r, Vec3 place, uint32_t tree)
-{
-    NestList list;
-    nest_list_init(&list);
-    Status status = compiled_interior(r->compiled, vec3f_from(place), 0, &r->probe.forward, &list, NULL);
-    bool within = status == STATUS_OK && nest_csg_holds(&r->compiled->csg, tree, &list);
-    nest_list_clear(&list);
-    return within;
-}
-
-/* Whether a place is within an object, which need not be closed: as lines in three directions have it. */
-static bool is_within(Remarks *r, Vec3 place, uint32_t object)
-{
-    uint32_t tree = r->scene->objects[object].tree;
-    if (is_plane(r->scene, object)) return is_below(&r->scene->objects[object], place);
-    if (tree != SCENE_NONE) return is_within_combination(r, place, tree);
-    for (int direction = 0; direction < LINE_DIRECTIONS; direction++) {
-        Ray ray = ray_make(place, vec3f_from(line_direction(direction)));
-        rtc_all(r->compiled->rtc, &ray, false, &r->probe.forward);
-        if (!leads_out(object, &r->probe.forward)) return false;
-    }
-    return true;
-}
-
 /* Of each object, in the world; empty for operands of combinations, which count for nothing by themselves. A
  * combination lies within the bounds of its operands. false when memory ends. */
 static bool find_bounds(Remarks *r)
@@ -330,22 +286,19 @@ static bool holds_light(Remarks *r, uint32_t object)
     for (uint32_t i = 0; i < r->scene->n_lights; i++) {
         const SceneLight *light = &r->scene->lights[i];
         if (light->kind == LIGHT_DISTANT || light->kind == LIGHT_PORTAL) continue;
-        if (is_within(r, place_of_light(r, light), object)) return true;
+        if (report_is_within(r->compiled, place_of_light(r, light), object, &r->probe.forward)) return true;
     }
     for (uint32_t i = 0; i < r->scene->n_objects; i++)
         if (scene_shines(r->scene, i) && scene_whole(r->scene, i) == i && is_bounded(&r->bounds[i]) &&
-            is_within(r, box3_centre(r->bounds[i]), object))
+            report_is_within(r->compiled, box3_centre(r->bounds[i]), object, &r->probe.forward))
             return true;
     return false;
 }
 
 static bool is_behind(const Box3 *box, const Affine *to_plane, double side)
 {
-    for (int corner = 0; corner < 8; corner++) {
-        Vec3 p = vec3(corner & 1 ? box->max.x : box->min.x, corner & 2 ? box->max.y : box->min.y,
-                      corner & 4 ? box->max.z : box->min.z);
-        if (!(side * height_of(to_plane, p) < 0)) return false;
-    }
+    for (int corner = 0; corner < 8; corner++)
+        if (!(side * height_of(to_plane, box3_corner(*box, corner)) < 0)) return false;
     return true;
 }
 
@@ -380,7 +333,7 @@ static void remark_behind_ground(Remarks *r)
     Tally tally = {.code = D_BEHIND_GROUND};
     for (uint32_t i = 0; i < r->scene->n_objects; i++) {
         const SceneObject *object = &r->scene->objects[i];
-        if (is_plane(r->scene, i) && !is_seen_through(r->scene, object)) remark_behind(r, i, &tally);
+        if (report_is_plane(r->scene, i) && !is_seen_through(r->scene, object)) remark_behind(r, i, &tally);
     }
     tally_end(r, &tally);
 }
@@ -493,7 +446,7 @@ static bool meets_anything(const Remarks *r, uint32_t object)
     double slack = 0.02 * size_of(&r->bounds[object]);
     for (uint32_t i = 0; i < r->scene->n_objects; i++) {
         if (r->compiled->hull_of_object[i] != SCENE_NONE) continue;
-        if (is_plane(r->scene, i)) {
+        if (report_is_plane(r->scene, i)) {
             Affine to_plane;
             if (!affine_invert(&r->scene->objects[i].to_world, &to_plane)) continue;
             Box3 near = {vec3_sub(r->bounds[object].min, vec3(slack, slack, slack)),
@@ -574,37 +527,12 @@ static void remark_loose_liquid(Remarks *r)
     tally_end(r, &tally);
 }
 
-static bool is_opaque(const Remarks *r, uint32_t object)
-{
-    return r->compiled->hull_of_object[object] == SCENE_NONE && !scene_is_thin(r->scene, object) &&
-           r->scene->objects[object].part_of == SCENE_NONE && r->scene->objects[object].light == SCENE_NONE;
-}
-
-/* The first opaque object that a place is inside of; SCENE_NONE. Looked at are those that a line from there leaves. */
-static uint32_t find_cover(Remarks *r, Vec3 place)
-{
-    HitList hits = {0};
-    Ray ray = ray_make(place, vec3f_from(line_direction(0)));
-    uint32_t cover = SCENE_NONE, last = SCENE_NONE;
-    rtc_all(r->compiled->rtc, &ray, false, &hits);
-    for (size_t i = 0; i < hits.n && cover == SCENE_NONE; i++) {
-        uint32_t met = hits.items[i].object, object = scene_whole(r->scene, met);
-        if (hits.items[i].entering || object == last || !is_opaque(r, object)) continue;
-        last = object;
-        if ((object != met || leads_out(object, &hits)) && is_within(r, place, object)) cover = object;
-    }
-    for (uint32_t i = 0; i < r->scene->n_objects && cover == SCENE_NONE; i++)
-        if (is_plane(r->scene, i) && is_opaque(r, i) && is_within(r, place, i)) cover = i;
-    hit_list_clear(&hits);
-    return cover;
-}
-
 /* Of an orthographic camera: the opaque object that a part of its picture plane is inside of, and how large that part is. */
 static uint32_t find_plane_cover(Remarks *r, const SceneCamera *camera, double *part)
 {
     uint32_t cover = SCENE_NONE, n = 0;
     for (uint32_t i = 0; i < SCENE_CAMERA_PLACES; i++) {
-        uint32_t here = find_cover(r, scene_camera_some_place(r->scene, camera, i));
+        uint32_t here = report_cover(r->compiled, scene_camera_some_place(r->scene, camera, i), &r->probe.forward);
         if (here == SCENE_NONE || (cover != SCENE_NONE && here != cover)) continue;
         cover = here;
         n++;
@@ -620,7 +548,8 @@ static void remark_covered_cameras(Remarks *r, uint32_t first, uint32_t end)
         const SceneCamera *camera = &r->scene->cameras[i];
         double part = 1;
         bool wide = camera->projection == PROJECTION_ORTHOGRAPHIC && !camera->expect; /* else it is a section */
-        uint32_t cover = wide ? find_plane_cover(r, camera, &part) : find_cover(r, camera->from);
+        uint32_t cover =
+            wide ? find_plane_cover(r, camera, &part) : report_cover(r->compiled, camera->from, &r->probe.forward);
         if (cover == SCENE_NONE || (!r->bounds && !find_bounds(r)) || holds_light(r, cover)) continue;
         const SceneObject *object = &r->scene->objects[cover];
         Buf what = {0};

@@ -13,9 +13,7 @@ static bool is_out_of_view(const SceneCamera *camera, const SceneFilm *film, Box
     bool flat = camera->projection == PROJECTION_ORTHOGRAPHIC;
     int n_beyond[5] = {0};
     for (int corner = 0; corner < 8; corner++) {
-        Vec3 p = vec3(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
-                      corner & 4 ? box.max.z : box.min.z);
-        Vec3 way = vec3_sub(p, camera->from);
+        Vec3 way = vec3_sub(box3_corner(box, corner), camera->from);
         double depth = vec3_dot(way, camera->forward), reach = flat ? 1 : depth;
         double across = vec3_dot(way, camera->right), up = vec3_dot(way, camera->up);
         n_beyond[0] += depth <= 0;
