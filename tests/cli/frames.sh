@@ -190,6 +190,9 @@ says err 'standard output takes one picture'
 run render moving.mns -o 'a#.exr' -o 'a1#.exr' --set animation.frames=12 --set animation.first_frame=1
 exits 2
 says err "'a11.exr' would be written for two frames"
+run render moving.mns --frames 1..2 -o 'a#.exr' -o './a#.exr'
+exits 2
+says err "output './a1.exr' is named twice"
 end
 
 begin "all files of all frames are tried before the first is rendered"
