@@ -10,7 +10,7 @@
 
 #define MAGIC "MNSSTATE"
 /* The mark's last digit counts what heads and blocks have been. */
-enum { BYTE_ORDER_MARK = 0x01020306, LARGEST_SIDE = 65536 };
+enum { BYTE_ORDER_MARK = 0x01020307, LARGEST_SIDE = 65536 };
 
 /* What a block begins with. */
 typedef struct Prefix {

@@ -89,6 +89,12 @@ float guide_pdf(const GuideAt *at, Vec3f direction)
     return guide_lobes_pdf(at->guide->fours + at->cell->first_four, at->cell->n_lobes, place, direction);
 }
 
+void guide_leads(const GuideAt *at, Vec3f direction, Leads *leads)
+{
+    GuidePlace place = {at->offset, at->color};
+    guide_lobes_leads(at->guide->fours + at->cell->first_four, at->cell->n_lobes, place, direction, leads);
+}
+
 float guide_threshold(const Guide *guide)
 {
     return guide->threshold;

@@ -38,6 +38,7 @@
 #include <signal.h>
 
 #include "trace/photon.h"
+#include "trace/turns.h"
 
 /* What is known of a small region. */
 typedef struct GuideCell {
@@ -53,7 +54,7 @@ typedef struct GuideCell {
 
 typedef struct Guide Guide;
 
-/* What makes a guide. A photon takes 120 bytes until the guide is made, and each that becomes a lobe some 150 bytes of
+/* What makes a guide. A photon takes 128 bytes until the guide is made, and each that becomes a lobe some 150 bytes of
  * it then. */
 typedef struct GuideSettings {
     uint32_t width, height; /* of the picture */
@@ -126,6 +127,8 @@ double guide_bright(const Guide *guide);
 Vec3f guide_sample(const GuideAt *at, float u, const float v[2]);
 /* The density of that per steradian. */
 float guide_pdf(const GuideAt *at, Vec3f direction);
+/* The same, with what light did that comes from there. */
+void guide_leads(const GuideAt *at, Vec3f direction, Leads *leads);
 /* Lights of a lesser radiance, as a mean of the wavelengths, are left to chance. */
 float guide_threshold(const Guide *guide);
 

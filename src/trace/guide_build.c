@@ -301,10 +301,9 @@ static void fit_cell(void *context, uint32_t i, unsigned worker)
     fit_lobes(b, i, &(GuidePhotons){.photons = photons, .n = n, .origin = guide_cell_origin(cell)});
 }
 
-static float cell_pdf(const Guide *guide, const GuideCell *cell, const Photon *photon)
+static GuidePlace place_in(const GuideCell *cell, const Photon *photon)
 {
-    GuidePlace place = {vec3f_along(photon->position, -1, guide_cell_origin(cell)), photon->color};
-    return guide_lobes_pdf(guide->fours + cell->first_four, cell->n_lobes, place, photon->from);
+    return (GuidePlace){vec3f_along(photon->position, -1, guide_cell_origin(cell)), photon->color};
 }
 
 /* How well the lobes foresee other photons: the geometric mean of what they say of the directions of those that are on surfaces. Where
@@ -321,7 +320,8 @@ static void find_keenness(void *context, uint32_t i, unsigned worker)
     for (uint32_t k = b->guide->begins[i]; k < b->guide->begins[i + 1] && n < MOST; k++) {
         const Photon *photon = &b->photons[k];
         if (photon->lobe || vec3f_dot(photon->normal, photon->normal) == 0) continue;
-        sum += log((double)cell_pdf(b->guide, cell, photon));
+        const GuideFour *fours = b->guide->fours + cell->first_four;
+        sum += log((double)guide_lobes_pdf(fours, cell->n_lobes, place_in(cell, photon), photon->from));
         n++;
     }
     cell->keenness = n > 0 ? (float)exp(sum / n) : 0;
@@ -379,8 +379,12 @@ static float surface_pdf(const Photon *photon)
     return float_max(vec3f_dot(photon->normal, photon->from), 0.01f) / SAMPLING_PI;
 }
 
-float guide_sample_of(const Guide *guide, uint32_t cell, float share, const Photon *photon)
+float guide_sample_of(const Guide *guide, uint32_t number, float share, const Photon *photon)
 {
-    float surface = surface_pdf(photon), pdf = cell_pdf(guide, &guide->cells[cell], photon);
-    return photon->radiance * surface / (share * pdf + surface);
+    const GuideCell *cell = &guide->cells[number];
+    const Turns turns = {photon->turns, TURNS_TOLD, lanes_all(photon->chance)};
+    Leads leads;
+    guide_lobes_leads(guide->fours + cell->first_four, cell->n_lobes, place_in(cell, photon), photon->from, &leads);
+    float surface = surface_pdf(photon);
+    return photon->radiance * surface / (share * leads_lift(&leads, &turns) + surface);
 }

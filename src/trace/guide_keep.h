@@ -31,8 +31,9 @@ typedef struct GuideFacts {
     uint64_t round_begin, round_rays;  /* photons that had landed before the round, and rays */
     uint32_t round_end, round_photons; /* of all that are followed */
     GuideWorth worth;
+    Hopes hopes; /* of the first photons */
 } GuideFacts;
-_Static_assert(sizeof(GuideFacts) == 13 * 8 + sizeof(GuideWorth), "the facts of a search as bytes");
+_Static_assert(sizeof(GuideFacts) == 13 * 8 + sizeof(GuideWorth) + sizeof(Hopes), "the facts of a search as bytes");
 
 struct GuideSearch {
     GuideFacts facts;

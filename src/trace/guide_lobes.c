@@ -31,6 +31,8 @@
  * more of it than this, in radians, and the tail all. With all of it in both, a glass's shadow in the sun had small dark squares,
  * whose light came as few samples that were far too bright. */
 #define MOST_WRONG 0.02f
+/* How often what comes by a lobe is led as its light went; else it goes by chance, as light may have come by other ways. */
+#define LED_PART 0.85f
 
 void guide_lay_in_fours(const GuideLobe *lobes, uint32_t n, GuideFour *fours)
 {
@@ -58,6 +60,7 @@ void guide_lay_in_fours(const GuideLobe *lobes, uint32_t n, GuideFour *fours)
         four->weight[lane] = lobe->weight;
         four->cumulative[lane] = lobe->cumulative;
         four->n_sheet[lane] = lobe->n_sheet;
+        four->turns[lane] = lobe->turns;
     }
 }
 
@@ -277,21 +280,57 @@ static Lanes densities(const GuideFour *four, Lanes weight, Lanes error, GuidePl
     return lanes_mul(weight, lanes_div(lanes_add(disc, tail), area));
 }
 
+/* How much each lobe of a cell counts at a place: parts->nearness. */
+static void weigh_lobes(const GuideFour *fours, uint32_t n, GuidePlace place, CellParts *parts)
+{
+    look_at_fours(fours, 0, n, place, parts);
+    for (uint32_t i = n; i % LANES != 0; i++) parts->nearness[i] = 0;
+    for (uint32_t first = 0, n_sheet; first < n; first += n_sheet) {
+        n_sheet = fours[first / LANES].n_sheet[first % LANES];
+        float scale = fours[first / LANES].weight[first % LANES] / choose_near(parts->nearness + first, n_sheet);
+        for (uint32_t k = first; k < first + n_sheet; k++) parts->nearness[k] *= scale;
+    }
+}
+
 float guide_lobes_pdf(const GuideFour *fours, uint32_t n, GuidePlace place, Vec3f direction)
 {
     CellParts parts;
     Lanes sum = lanes_all(0);
-    look_at_fours(fours, 0, n, place, &parts);
-    for (uint32_t i = n; i % LANES != 0; i++) parts.nearness[i] = 0;
-    for (uint32_t first = 0, n_sheet; first < n; first += n_sheet) {
-        n_sheet = fours[first / LANES].n_sheet[first % LANES];
-        float scale = fours[first / LANES].weight[first % LANES] / choose_near(parts.nearness + first, n_sheet);
-        for (uint32_t k = first; k < first + n_sheet; k++) parts.nearness[k] *= scale;
-    }
+    weigh_lobes(fours, n, place, &parts);
     for (uint32_t i = 0; i < n; i += LANES) {
         Lanes weight = lanes_load(parts.nearness + i);
         if (lanes_zero(weight)) continue;
         sum = lanes_add(sum, densities(&fours[i / LANES], weight, lanes_load(parts.error + i), place, direction));
     }
     return lanes_sum(sum);
+}
+
+static void add_lead(Leads *leads, uint32_t turns, float density)
+{
+    uint32_t i = 0;
+    leads->all += density;
+    if (turns != TURNS_UNTOLD)
+        while (i < leads->n && leads->turns[i] != turns) i++;
+    if (turns == TURNS_UNTOLD || i == LEADS) {
+        leads->unled += density;
+        return;
+    }
+    leads->unled += (1 - LED_PART) * density;
+    if (i == leads->n) leads->turns[leads->n] = turns, leads->density[leads->n++] = 0;
+    leads->density[i] += LED_PART * density;
+}
+
+void guide_lobes_leads(const GuideFour *fours, uint32_t n, GuidePlace place, Vec3f direction, Leads *leads)
+{
+    CellParts parts;
+    *leads = (Leads){.n = 0};
+    weigh_lobes(fours, n, place, &parts);
+    for (uint32_t i = 0; i < n; i += LANES) {
+        Lanes weight = lanes_load(parts.nearness + i);
+        if (lanes_zero(weight)) continue;
+        float density[LANES];
+        lanes_store(densities(&fours[i / LANES], weight, lanes_load(parts.error + i), place, direction), density);
+        for (int lane = 0; lane < LANES; lane++)
+            if (density[lane] > 0) add_lead(leads, fours[i / LANES].turns[lane], density[lane]);
+    }
 }

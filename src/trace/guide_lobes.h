@@ -6,6 +6,7 @@
 #include "base/attr.h"
 #include "base/lanes.h"
 #include "base/vec3.h"
+#include "trace/turns.h"
 
 /* A place, from the cell's origin, and the colour by which light was bent that comes there, see guide_color. */
 typedef struct GuidePlace {
@@ -28,6 +29,7 @@ typedef struct GuideLobe {
     float xx, xy, yy;          /* spread about the mean, at its place */
     float color, hue_x, hue_y; /* of its light; slope of the mean by the colour */
     float hue_bend;            /* how wrong it is for other colours: angle by the square of the difference */
+    uint32_t turns;            /* what its light did on its way, see Turns; TURNS_UNTOLD: one thing or another */
 } GuideLobe;
 
 enum {
@@ -47,7 +49,7 @@ typedef struct GuideFour {
     LanesVec3 place, axis, x, y, slope_x, slope_y;
     Lanes mean_x, mean_y, xx, xy, yy, bend, color, hue_x, hue_y, hue_bend;
     float weight[LANES], cumulative[LANES];
-    uint32_t n_sheet[LANES];
+    uint32_t n_sheet[LANES], turns[LANES];
 } GuideFour;
 
 /* How many of these n lobes take. */
@@ -67,5 +69,7 @@ Vec3f guide_lobe_mean(const GuideFour *fours, uint32_t lobe, GuidePlace place);
  * v: in [0, 1)^2. */
 Vec3f guide_sample_lobes(const GuideFour *fours, uint32_t n, GuidePlace place, float u, const float v[2]);
 float guide_lobes_pdf(const GuideFour *fours, uint32_t n, GuidePlace place, Vec3f direction);
+/* The same apart for what the lobes' light did. */
+void guide_lobes_leads(const GuideFour *fours, uint32_t n, GuidePlace place, Vec3f direction, Leads *leads);
 
 #endif

@@ -43,7 +43,7 @@
 /* Unforeseen flux, of all, that is no longer worth a round. */
 #define FORESEEN 0.002
 enum {
-    FIRST_ROUND = 1 << 12,
+    FIRST_ROUND = PHOTON_EXPLORERS,
     FIRST_LOBES = 1 << 10,
     LEAST_ROUND = 1 << 10,
     BATCH = 1 << 14, /* photons between two looks at the clock, */
@@ -81,8 +81,10 @@ static Status follow(GuideSearch *search, uint32_t n, Error *error)
     if (!array_reserve(&search->landed, &search->capacity, facts->n + n, sizeof *search->landed))
         return fail_memory(error, (facts->n + n) * sizeof *search->landed, "photons");
     Photon *photons = search->landed + facts->n;
-    TRY(photons_trace(&search->source, facts->followed, n, search->pool, photons, &rays, error));
+    Hopes hopes = {{0}, {0}}, *wanted = facts->followed == 0 ? &hopes : NULL;
+    TRY(photons_trace(&search->source, facts->followed, n, search->pool, photons, wanted, &rays, error));
     if (is_stopped(search)) return STATUS_OK;
+    if (wanted) facts->hopes = hopes;
     facts->rays += rays;
     facts->followed += n;
     for (uint32_t i = 0; i < n; i++) {
@@ -370,8 +372,11 @@ Status guide_search_run(GuideSearch *search, const World *world, const GuideSett
         search->settings = settings;
         search->pool = pool;
         search->start_s = clock_now_s();
-        search->source =
-            (PhotonSource){.world = world, .targets = &targets, .seed = settings->seed, .stop = settings->stop};
+        search->source = (PhotonSource){.world = world,
+                                        .targets = &targets,
+                                        .seed = settings->seed,
+                                        .stop = settings->stop,
+                                        .hopes = &search->facts.hopes};
         status = take_steps(search, &targets, error);
         search->settings = NULL;
         search->pool = NULL;

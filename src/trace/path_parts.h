@@ -41,13 +41,18 @@ typedef struct Airway {
 
 /* What a path is to know of the guide where it was scattered last, see probe.c. */
 typedef struct PathProbing {
-    GuideAt guide;   /* there; share 0: there is none */
-    Vec3f direction; /* that was chosen there, */
-    float density;   /* its density, as a mean of the wavelengths, */
-    float part;      /* and what light counts that it finds through glass; < 0: not known yet */
-    bool found;      /* what it adds next is such light */
-    bool bent;       /* it has gone through a boundary since, or off a mirror */
-    bool is_probe;   /* it was sent out by the guide, and looks for such light alone */
+    GuideAt guide;      /* there; share 0: there is none */
+    Vec3f direction;    /* that was chosen there, */
+    float density;      /* its density, as a mean of the wavelengths, */
+    float part;         /* and what light counts that it finds through glass; < 0: not known yet, */
+    float ratio;        /* as the density of probes over that of the path itself is this */
+    Turns turns;        /* since then; also of a photon, since its last rough surface */
+    const Leads *leads; /* of a probe; else NULL */
+    const Hopes *hopes; /* of a photon, */
+    uint32_t step;      /* and its node of these */
+    bool found;         /* what it adds next is such light */
+    bool bent;          /* it has gone through a boundary since, or off a mirror */
+    bool is_probe;      /* it was sent out by the guide, and looks for such light alone */
 } PathProbing;
 
 /* A way through bodies with parallel faces: see slab_look.h. */
@@ -128,11 +133,21 @@ static inline void path_init(Path *path, Tracer *tracer, Sampler sampler)
     path->sought = 1;
     path->scatter_lights = world_lights(tracer->world);
     path->probing.guide.share = 0;
+    path->probing.leads = NULL;
     path->index_lane = -1;
     path->slab_way.bounce = SLAB_NOWHERE;
     path->fork = NULL;
     path->catching = NULL;
     path->probing.bent = path->probing.is_probe = path->probing.found = false;
+}
+
+/* It comes from a lamp. hopes: see turns.h; NULL: it has none. */
+static inline void path_is_of_light(Path *path, const Hopes *hopes)
+{
+    path->is_photon = true;
+    path->probing.turns = turns_none();
+    path->probing.hopes = hopes;
+    path->probing.step = 1;
 }
 
 /* A scattering whose density per steradian is above this sends light on almost as a smooth surface does: it is about that

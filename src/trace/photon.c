@@ -30,6 +30,8 @@ static void land(const Path *path, const Event *event, float flux, Photon *photo
     if (event->kind != EVENT_SCATTER)
         photon->normal = event->hit.cos_normal < 0 ? event->hit.normal : vec3f_negate(event->hit.normal);
     photon->at_boundary = event->kind == EVENT_BOUNDARY;
+    photon->turns = path->probing.turns.bits;
+    photon->chance = lanes_get(path->probing.turns.chance, 0);
     if (isfinite(carried) && carried > 0) photon->flux = carried;
 }
 
@@ -81,6 +83,7 @@ static bool follow_photon(Path *path, const LightSample *light, float flux, Phot
         way = hash_u64(way ^ hash_u64(4 * step + 2 * goes_on + (vec3f_dot(path->ray.direction, event.hit.normal) > 0)));
         photon->way = ((uint32_t)(way >> 32) & ~1U) | rough;
         if (!goes_on) return was_bent;
+        if (path->scatter_pdf > 0) path->probing.turns = turns_none();
         rough |= path->scatter_pdf > 0;
         /* what comes through panes alone is found by looking at the light; of slabs only their far side tells */
         bent = bent || !straight;
@@ -95,6 +98,8 @@ typedef struct Job {
     uint32_t seed, first, n;
     Photon *photons;
     const uint32_t *which;
+    const Hopes *hopes;
+    Hopes *counts; /* of each worker; NULL: unwanted */
     Tracer *tracers;
     const volatile sig_atomic_t *stop;
 } Job;
@@ -104,12 +109,13 @@ static bool is_stopped(const Job *job)
     return job->stop && *job->stop;
 }
 
-static Path begin_photon(Tracer *tracer, uint32_t seed, uint32_t number)
+static Path begin_photon(Tracer *tracer, const Hopes *hopes, uint32_t seed, uint32_t number)
 {
+    static const Hopes none;
     Path path;
     path_init(&path, tracer, sampler_make(seed, PHOTON_PIXEL_X, PHOTON_PIXEL_Y, number));
     path.wavelengths = world_wavelengths(tracer->world, sampler_1d(&path.sampler, DIM_WAVELENGTH));
-    path.is_photon = true;
+    path_is_of_light(&path, hopes && number < PHOTON_EXPLORERS ? &none : hopes);
     path.ray.time = tracer->world->moves ? (double)sampler_1d(&path.sampler, DIM_TIME) : 0;
     return path;
 }
@@ -135,7 +141,7 @@ static void in_plane(Vec3f axis, Vec3f direction, double p[2])
 static bool follow_other(Job *job, Tracer *tracer, uint32_t number, const PhotonStart *start, double more_color,
                          uint32_t way, Photon *photon)
 {
-    Path path = begin_photon(tracer, job->seed, number);
+    Path path = begin_photon(tracer, job->hopes, job->seed, number);
     float nm = lanes_get(path.wavelengths.nm, 0);
     if (more_color != 0) lanes_set(&path.wavelengths.nm, 0, guide_wavelength(guide_color(nm) + (float)more_color));
     if (!photon_leave_light(&path, start)) return false;
@@ -341,7 +347,7 @@ static void find_hue(Job *job, Path *path, const PhotonStart *start, Photon *pho
 /* Where photon `number` starts, and its path there; false: it gives nothing. */
 static bool start_photon(Job *job, Tracer *tracer, uint32_t number, Path *path, PhotonStart *start)
 {
-    *path = begin_photon(tracer, job->seed, number);
+    *path = begin_photon(tracer, job->hopes, job->seed, number);
     if (!photon_choose_start(job->targets, path, start)) return false;
     float radiance = lanes_mean(start->light.radiance);
     if (!(radiance > job->threshold) || !photon_leave_light(path, start)) return false;
@@ -363,7 +369,9 @@ static void trace_batch(void *context, uint32_t batch, unsigned worker)
         if (is_stopped(job)) continue;
         if (!start_photon(job, &job->tracers[worker], number, &path, &start)) continue;
         float radiance = lanes_mean(start.light.radiance);
-        if (follow_photon(&path, &start.light, radiance * start.flux_times_n, photon)) {
+        const bool landed = follow_photon(&path, &start.light, radiance * start.flux_times_n, photon);
+        if (job->counts) hopes_count(&job->counts[worker], path.probing.step, landed);
+        if (landed) {
             photon->radiance = radiance;
             photon->more = start.more;
             photon->number = number;
@@ -380,7 +388,7 @@ static void look_around_one(void *context, uint32_t i, unsigned worker)
     if (is_stopped(job)) return;
     Photon *photon = &job->photons[job->which[i]];
     Tracer *tracer = &job->tracers[worker];
-    Path path = begin_photon(tracer, job->seed, photon->number);
+    Path path = begin_photon(tracer, job->hopes, job->seed, photon->number);
     PhotonStart start = {.turned = {0, 0, 0}};
     photon->lobe = 1;
     tracer->counters.rays += LOOKS / 2; /* about what they take */
@@ -406,18 +414,29 @@ static Status run_job(Job *job, Pool *pool, uint32_t n, void (*task)(void *, uin
     return out_of_memory ? fail(error, STATUS_NOMEM, "out of memory while following photons") : STATUS_OK;
 }
 
-Status photons_trace(const PhotonSource *source, uint32_t first, uint32_t n, Pool *pool, Photon *photons,
+Status photons_trace(const PhotonSource *source, uint32_t first, uint32_t n, Pool *pool, Photon *photons, Hopes *hopes,
                      uint64_t *rays, Error *error)
 {
     Job job = {.world = source->world,
                .targets = source->targets,
                .threshold = source->threshold,
                .seed = source->seed,
+               .hopes = source->hopes,
                .first = first,
                .n = n,
                .photons = photons,
                .stop = source->stop};
-    return run_job(&job, pool, (n + BATCH - 1) / BATCH, trace_batch, rays, error);
+    const unsigned n_threads = pool_threads(pool);
+    if (hopes && !(job.counts = memory_apart(n_threads, sizeof *job.counts)))
+        return fail_memory(error, n_threads * sizeof *job.counts, "photons");
+    Status status = run_job(&job, pool, (n + BATCH - 1) / BATCH, trace_batch, rays, error);
+    for (unsigned t = 0; hopes && t < n_threads; t++)
+        for (int i = 0; i < HOPES; i++) {
+            hopes->followed[i] += job.counts[t].followed[i];
+            hopes->landed[i] += job.counts[t].landed[i];
+        }
+    free(job.counts);
+    return status;
 }
 
 Status photons_look_around(const PhotonSource *source, Photon *photons, const uint32_t *which, uint32_t n, Pool *pool,
@@ -427,6 +446,7 @@ Status photons_look_around(const PhotonSource *source, Photon *photons, const ui
                .targets = source->targets,
                .threshold = source->threshold,
                .seed = source->seed,
+               .hopes = source->hopes,
                .photons = photons,
                .which = which,
                .stop = source->stop};
@@ -440,7 +460,7 @@ float photon_flux(const World *world, const PhotonTargets *targets)
     tracer_init(&tracer, world);
     double flux = 0;
     for (uint32_t i = 0; i < PROBES; i++) {
-        Path path = begin_photon(&tracer, 0, i);
+        Path path = begin_photon(&tracer, NULL, 0, i);
         PhotonStart start = {.turned = {0, 0, 0}};
         if (photon_choose_start(targets, &path, &start))
             flux += (double)(lanes_mean(start.light.radiance) * start.flux_times_n);
@@ -451,7 +471,7 @@ float photon_flux(const World *world, const PhotonTargets *targets)
 
 float photon_other_light(Tracer *tracer, Vec3f place, Vec3f normal, float threshold, uint32_t number)
 {
-    Path path = begin_photon(tracer, 1, number);
+    Path path = begin_photon(tracer, NULL, 1, number);
     Box3 bounds = rtc_scene_bounds(tracer->world->compiled->rtc);
     Vec3 from = vec3_from_f(place);
     LightSample light;

@@ -12,6 +12,7 @@
 
 #include "base/pool.h"
 #include "trace/path.h"
+#include "trace/turns.h"
 
 /* What bends light is nearly linear in this (A. L. Cauchy): the square of the wave number, 1 at 500 nm. */
 static inline float guide_color(float wavelength_nm)
@@ -45,6 +46,8 @@ typedef struct Photon {
     uint16_t at_boundary; /* 1: it has landed on frosted glass, else where paths are scattered broadly */
     /* far parts of a sea fill little of the picture, so that their flux counts less: it is 1 + more times that */
     float more;
+    uint32_t turns; /* what it did at the smooth boundaries that it has met since the last rough one: see turns.h; */
+    float chance;   /* and how likely that was */
 } Photon;
 
 /* What it carries, whatever that counts. */
@@ -86,15 +89,20 @@ typedef struct PhotonSource {
     const PhotonTargets *targets;
     float threshold;
     uint32_t seed;
+    /* What has become of the first ones, PHOTON_EXPLORERS, by which the others choose their ways, and those explore; NULL: all choose as
+     * boundaries reflect. */
+    const Hopes *hopes;
     const volatile sig_atomic_t
         *stop; /* NULL, or not 0 to give up: photons that are left then have no flux and no lobe */
 } PhotonSource;
 
+enum { PHOTON_EXPLORERS = 1 << 12 };
+
 /* Follows the photons first .. first + n - 1: number i into photons[i - first], a function of seed and i alone. Their flux is
  * what all together carry if they all are alike; of their neighbours nothing is known yet. *rays grows by the rays that it
- * took. STATUS_NOMEM. */
+ * took, *hopes (NULL: unwanted) by what became of them. STATUS_NOMEM. */
 ATTR_NODISCARD Status photons_trace(const PhotonSource *source, uint32_t first, uint32_t n, Pool *pool, Photon *photons,
-                                    uint64_t *rays, Error *error);
+                                    Hopes *hopes, uint64_t *rays, Error *error);
 /* Finds the neighbours of the n photons which[...], some six times as much work as following them was. STATUS_NOMEM. */
 ATTR_NODISCARD Status photons_look_around(const PhotonSource *source, Photon *photons, const uint32_t *which,
                                           uint32_t n, Pool *pool, uint64_t *rays, Error *error);

@@ -120,7 +120,7 @@ static Status find_landings(Seas *seas, Error *error)
         Path path;
         path_init(&path, &tracer, sampler_make(0, VIEW_PIXEL_X, VIEW_PIXEL_Y, i));
         path.wavelengths = world_wavelengths(world, sampler_1d(&path.sampler, DIM_WAVELENGTH));
-        path.is_photon = true; /* it asks for no light */
+        path_is_of_light(&path, NULL); /* it asks for no light */
         float u[2];
         sampler_2d(&path.sampler, DIM_PIXEL, u);
         FilmPoint point = {(double)u[0] * world->width, (double)u[1] * world->height, world->width, world->height};

@@ -38,6 +38,19 @@ bool path_ask_guide(Path *path, const GuideAt *guide, Vec3f *direction)
     return true;
 }
 
+/* Of a direction, and of what was done since at boundaries: how dense the path's own choice is, and that of probes, of which one may be
+ * led. What a probe carries is over how often it was led there. */
+static void find_part(PathProbing *probing)
+{
+    Leads found;
+    const Leads *leads = probing->leads;
+    if (!leads) guide_leads(&probing->guide, probing->direction, &found);
+    float lift = leads_lift(leads ? leads : &found, &probing->turns);
+    float part = sampling_balance(probing->density, probing->guide.share * lift);
+    probing->ratio = probing->guide.share * lift / probing->density;
+    probing->part = leads ? part * lift / leads->all : part;
+}
+
 float path_weigh_probing(Path *path, float radiance)
 {
     PathProbing *probing = &path->probing;
@@ -46,9 +59,7 @@ float path_weigh_probing(Path *path, float radiance)
     probing->found = probing->bent && bright;
     if (!probing->found) return probing->is_probe ? 0 : 1;
     path_is_guided(path, &probing->guide);
-    if (probing->part < 0)
-        probing->part =
-            sampling_balance(probing->density, probing->guide.share * guide_pdf(&probing->guide, probing->direction));
+    if (probing->part < 0) find_part(probing);
     return probing->part;
 }
 
@@ -58,9 +69,9 @@ void path_note_found(Path *path, Lanes light)
     bool noted = probing->found && probing->part > 0 && !path->again; /* both paths of a sample find much the same */
     probing->found = false;
     if (!noted) return;
-    float rgb[3], ratio = 1 / probing->part - 1;
+    float rgb[3];
     color_from_lanes(light, &path->wavelengths, rgb);
-    guide_note(path->tracer->ledger, &probing->guide, GUIDE_FOUND, color_luminance(rgb), ratio);
+    guide_note(path->tracer->ledger, &probing->guide, GUIDE_FOUND, color_luminance(rgb), probing->ratio);
 }
 
 /* The list of hulls where the probe starts. */
@@ -96,8 +107,15 @@ void path_send_probe(Path *path, const GuideAt *guide, const LookPlace *from, co
     probe.from.rarity = 0;
     probe.looks = false;
     probe.decision = (Decision){.left = 0};
-    probe.probing = (PathProbing){
-        .guide = *guide, .direction = way->direction, .density = way->pdf_w, .part = -1, .is_probe = true};
+    Leads leads;
+    guide_leads(guide, way->direction, &leads);
+    probe.probing = (PathProbing){.guide = *guide,
+                                  .direction = way->direction,
+                                  .density = way->pdf_w,
+                                  .part = -1,
+                                  .turns = turns_none(),
+                                  .leads = &leads,
+                                  .is_probe = true};
     probe.bounce += FIRST_BOUNCE;
     if (tracer->world->scene->n_textures > 0) path_widen(&probe);
     uint64_t rays = prober->counters.rays;

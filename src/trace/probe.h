@@ -51,7 +51,8 @@ static inline void path_leave_guide(Path *path, const GuideAt *guide, Vec3f dire
     if (path->probing.is_probe) return;
     path->probing.guide.share = guide->share;
     if (UNLIKELY(guide->share > 0))
-        path->probing = (PathProbing){.guide = *guide, .direction = direction, .density = pdf_w, .part = -1};
+        path->probing =
+            (PathProbing){.guide = *guide, .direction = direction, .density = pdf_w, .part = -1, .turns = turns_none()};
 }
 float path_weigh_probing(Path *path, float radiance);
 void path_note_found(Path *path, Lanes light);

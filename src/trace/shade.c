@@ -445,9 +445,11 @@ bool path_shade_opaque(Path *path, Event *event)
  * from both sides. */
 typedef struct BoundaryChoice {
     Vec3f direction;
-    Lanes reflectance, chosen; /* as often reflection is chosen, per wavelength */
+    Lanes reflectance, chosen; /* as often reflection is chosen, per wavelength; */
+    Lanes natural;             /* and as often as it would be if the path were not led */
     bool reflected, straight;  /* straight: as often as it reflects */
     bool total;                /* it lets nothing through */
+    bool is_turn;              /* see turns.h */
 } BoundaryChoice;
 
 bool path_look_ahead(Path *path, const SurfacePlace *place, Lanes eta_i, float brightness[2])
@@ -496,6 +498,14 @@ static bool decide(Path *path, float probability)
     return yes;
 }
 
+/* Whether photons choose by their hopes, or probes by their leads. */
+static bool is_led(const Path *path, Lanes *chosen)
+{
+    const PathProbing *probing = &path->probing;
+    if (path->is_photon) return probing->hopes && hopes_choose(probing->hopes, probing->step, chosen);
+    return probing->leads && leads_choose(probing->leads, &probing->turns, chosen);
+}
+
 static void choose_at_boundary(Path *path, const SurfacePlace *place, bool flat, Lanes eta_i, Lanes eta_t,
                                BoundaryChoice *choice)
 {
@@ -512,6 +522,10 @@ static void choose_at_boundary(Path *path, const SurfacePlace *place, bool flat,
         choice->straight = false;
         chosen = fresnel_choice(reflectance, brightness[0], brightness[1]);
     }
+    choice->natural = chosen;
+    choice->is_turn = UNLIKELY(path->probing.guide.share > 0 || path->is_photon) && passes && !flat &&
+                      keeps_sides(place, back, passes, on);
+    if (UNLIKELY(choice->is_turn) && is_led(path, &chosen)) choice->straight = false;
     choice->reflectance = reflectance;
     choice->chosen = chosen;
     /* what is reflected totally takes no random number */
@@ -533,8 +547,23 @@ static void weigh_choice(Path *path, const BoundaryChoice *choice, bool bends_al
     /* where each wavelength is bent another way, as for photons, this path goes on for the hero alone */
     Lanes carried = bends_alike ? lanes_all(1) : lanes(1, 0, 0, 0);
     if (!bends_alike) path->ratio = lanes_mul(path->ratio, carried);
-    if (!choice->straight) carried = lanes_scale(carried, (1 - hero) / (1 - chosen));
+    if (!choice->straight) {
+        carried = lanes_scale(carried, (1 - hero) / (1 - chosen));
+        if (UNLIKELY(!lanes_uniform(choice->chosen)))
+            path->ratio = lanes_mul(path->ratio, lanes_scale(lanes_rest(choice->chosen), 1 / (1 - chosen)));
+    }
     if (!bends_alike || !choice->straight) path->beta = lanes_mul(path->beta, carried);
+}
+
+static void note_turn(Path *path, const BoundaryChoice *choice, bool bends_alike)
+{
+    PathProbing *probing = &path->probing;
+    turns_add(&probing->turns, choice->natural, choice->reflected, !bends_alike, path->is_photon);
+    probing->part = -1;
+    if (path->is_photon) probing->step = hopes_step(probing->step, choice->reflected);
+    if (!probing->leads) return;
+    float natural = lanes_get(choice->natural, 0), chosen = lanes_get(choice->chosen, 0);
+    path->sought *= choice->reflected ? chosen / natural : (1 - chosen) / (1 - natural);
 }
 
 /* A coarse mesh with smooth normals may hold light for ever that came in through it, by total reflections about normals that no face
@@ -585,7 +614,9 @@ bool path_cross_boundary(Path *path, Event *event)
         path->decision = decision; /* by the same number */
         choose_at_boundary(path, &place, true, eta_i, eta_t, &choice);
     }
-    weigh_choice(path, &choice, lanes_uniform(eta_i) && lanes_uniform(eta_t));
+    const bool bends_alike = lanes_uniform(eta_i) && lanes_uniform(eta_t);
+    weigh_choice(path, &choice, bends_alike);
+    if (UNLIKELY(choice.is_turn)) note_turn(path, &choice, bends_alike);
     if (UNLIKELY(choice.total)) let_out(path, &place, eta_i, eta_t, &choice);
     path->total_reflections = choice.total ? path->total_reflections + 1 : 0;
     const uint64_t face = slab_face_at(world, &event->hit, &place);

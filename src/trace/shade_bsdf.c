@@ -312,9 +312,9 @@ static bool scatter(Path *path, Event *event, Bsdf *bsdf, const SurfacePlace *pl
             path->probing.bent = true;
         else
             path_leave_guide(path, &guide, direction, path->scatter_pdf);
-        path->sought = 1;
+        if (LIKELY(!path->probing.is_probe)) path->sought = 1;
         if (UNLIKELY(aimed_share(&aim) > 0) && path->scatter_pdf > 0)
-            path->sought = float_max(path_mean_density(path, sample.pdf_w) / path->scatter_pdf, 1);
+            path->sought *= float_max(path_mean_density(path, sample.pdf_w) / path->scatter_pdf, 1);
     }
     path->beta = lanes_mul(path->beta, sample.weight);
     path->ratio = lanes_mul(path->ratio, lanes_scale(sample.pdf_w, 1 / hero));

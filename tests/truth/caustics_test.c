@@ -202,6 +202,23 @@ static const struct {
            "light { shape = \"sphere\"  from = <60, 90, 30>  radius = 6  radiance = 50 } environment { color = .02 }\n"
            "camera { from = <-30, 60, 140>  to = <0, 25, 0>  fov = .001deg }\n",
      600, 6000},
+    /* probes are led to what is mirrored on the way */
+    {"a floor in what a ball of water mirrors within, with dispersion",
+     MEDIA "medium rain { ior = cauchy(1.324, .0031)  state = liquid }\n"
+           "ground { surface = surface { albedo = .5 } } environment { color = .01 }\n"
+           "sphere { interior = rain  center = <0, 14, 0>  radius = 10 }\n"
+           "light { shape = \"sphere\"  from = <160, 70, 0>  radius = 10  radiance = 300 }\n"
+           "camera { from = <80, 120, -200>  to = <25, 0, 12>  fov = 2deg }\n",
+     2000, 30000},
+    {"the same of glass, with bubbles in it and a drink around it",
+     MEDIA "ground { surface = surface { albedo = .5 } } environment { color = .01 }\n"
+           "sphere { interior = glass  center = <0, 14, 0>  radius = 10 }\n"
+           "sphere { interior = air  center = <-4, 15, 2>  radius = 3 } sphere { interior = air  center = <3, 11, -2>  "
+           "radius = 2 }\n"
+           "box { interior = water  from = <-40, -1, -40>  to = <40, 30, 40> }\n"
+           "light { shape = \"sphere\"  from = <160, 170, 0>  radius = 20  radiance = 300 }\n"
+           "camera { from = <80, 190, -80>  to = <18, 0, 6>  fov = 2deg }\n",
+     2000, 20000},
     /* little of the light is the photons', and most comes by several bounces */
     {"between a floor and a mirror that lets half through",
      MEDIA "ground { surface = surface { albedo = .8 } }\n"

@@ -671,7 +671,7 @@ static int count_landed(const Lit *lit, uint32_t n)
     uint64_t rays = 0;
     int n_landed = 0;
     Photon *photons = calloc(n, sizeof *photons);
-    assert_int_equal(photons_trace(&lit->source, 0, n, NULL, photons, &rays, &error), STATUS_OK);
+    assert_int_equal(photons_trace(&lit->source, 0, n, NULL, photons, NULL, &rays, &error), STATUS_OK);
     assert_true(rays >= n);
     for (uint32_t i = 0; i < n; i++) n_landed += photons[i].flux > 0;
     free(photons);
@@ -743,7 +743,7 @@ static void flux(void **state)
     assert_int_equal(lit.targets.n, 1);
     Photon *photons = calloc(N, sizeof *photons), *again = calloc(N, sizeof *again);
     uint64_t rays = 0;
-    assert_int_equal(photons_trace(&lit.source, 0, N, pool, photons, &rays, &error), STATUS_OK);
+    assert_int_equal(photons_trace(&lit.source, 0, N, pool, photons, NULL, &rays, &error), STATUS_OK);
     double landed = 0, sent = (double)photon_flux(&lit.world, &lit.targets), square = 0;
     int n_landed = 0, n_known = 0;
     for (int i = 0; i < N; i++) {
@@ -769,8 +769,8 @@ static void flux(void **state)
     /* the same in two parts, by another number of threads */
     Pool *alone;
     assert_int_equal(pool_new(1, &alone, &error), STATUS_OK);
-    assert_int_equal(photons_trace(&lit.source, 0, 1000, alone, again, &rays, &error), STATUS_OK);
-    assert_int_equal(photons_trace(&lit.source, 1000, N - 1000, alone, again + 1000, &rays, &error), STATUS_OK);
+    assert_int_equal(photons_trace(&lit.source, 0, 1000, alone, again, NULL, &rays, &error), STATUS_OK);
+    assert_int_equal(photons_trace(&lit.source, 1000, N - 1000, alone, again + 1000, NULL, &rays, &error), STATUS_OK);
     assert_int_equal(photons_look_around(&lit.source, again, landed_ones, LOOKED, alone, &rays, &error), STATUS_OK);
     assert_memory_equal(photons, again, N * sizeof *photons);
     /* after a stop there is nothing more to wait for */
@@ -779,7 +779,7 @@ static void flux(void **state)
     rays = 0;
     assert_int_equal(photons_look_around(&lit.source, again, landed_ones, LOOKED, pool, &rays, &error), STATUS_OK);
     assert_memory_equal(photons, again, N * sizeof *photons);
-    assert_int_equal(photons_trace(&lit.source, 0, N, pool, again, &rays, &error), STATUS_OK);
+    assert_int_equal(photons_trace(&lit.source, 0, N, pool, again, NULL, &rays, &error), STATUS_OK);
     for (int i = 0; i < N; i++) assert_true(again[i].flux == 0);
     assert_int_equal(rays, 0);
     free(photons);
@@ -807,7 +807,7 @@ static void tiles(void **state)
     assert_int_equal(pool_new(1, &pool, &error), STATUS_OK);
     assert_true(targets->n_tiles > 8 && targets->n == targets->n_tiles && targets->up == 1);
     Photon *photons = calloc(N, sizeof *photons);
-    assert_int_equal(photons_trace(&lit.source, 0, N, pool, photons, &rays, &error), STATUS_OK);
+    assert_int_equal(photons_trace(&lit.source, 0, N, pool, photons, NULL, &rays, &error), STATUS_OK);
     double least = HUGE_VAL, most = 0, worst = 0;
     const double landing = .96; /* of what comes to glass; but for the ground, nothing goes back */
     for (uint32_t k = 0; k < targets->n; k++) {
@@ -880,7 +880,7 @@ static void hues(void **state)
     assert_int_equal(lit.targets.n_lamps, 1);
     Photon *photons = calloc(N, sizeof *photons);
     uint64_t rays = 0;
-    assert_int_equal(photons_trace(&lit.source, 0, N, pool, photons, &rays, &error), STATUS_OK);
+    assert_int_equal(photons_trace(&lit.source, 0, N, pool, photons, NULL, &rays, &error), STATUS_OK);
     uint32_t n = 0;
     for (uint32_t i = 0; i < N; i++)
         if (photons[i].flux > 0 && n < LOOKED) chosen[n++] = i;
