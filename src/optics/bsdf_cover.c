@@ -70,7 +70,27 @@ static Lanes passed_to_mirrors(const BsdfLayer *layer, const BsdfConductor *base
                      lanes_scale(lanes_mul(factors[far], second), row.fraction));
 }
 
-/* A smooth mirror of reflectance m gives T^2 m / (1 - R m), which is m (1 - R) / (1 - R m) of what a white one gives. */
+/* What a base that reflects `mean` sends out, over what a white one does and over what it reflects once. Of what it sends up a part a
+ * comes back at first, and b each time after that: (1 - a) + a m (1 - b) / (1 - b m). A smooth mirror has the layer's R for both; a
+ * rough one sends much beyond the critical angle, a long way through the layer. */
+static Lanes over_again(const BsdfLayer *layer, const BsdfConductor *base, Vec3f view, Vec3f light, Lanes mirrored)
+{
+    const MicrofacetPlace roughness = microfacet_place(sqrtf(mean_alpha(&base->facets)), LAYERED_RETURN_ROUGHNESSES);
+    Lanes more[2], back[2], left[2];
+    const float angles[2] = {view.z, light.z};
+    layered_returned(roughness, &layer->among, angles, more);
+    for (int i = 0; i < 2; i++) {
+        back[i] = lanes_lesser(lanes_add(mirrored, more[i]), lanes_all(1 - 1e-6f));
+        left[i] = back[i];
+    }
+    if (layer->tinted) {
+        Lanes straight = lanes_mul(mirrored, lanes_exp(lanes_scale(layer->depth, -2)));
+        for (int i = 0; i < 2; i++) left[i] = lanes_add(straight, lanes_mul(more[i], layer->returned_left));
+    }
+    Lanes later = lanes_div(lanes_rest(back[1]), lanes_rest(lanes_mul(left[1], base->mean)));
+    return lanes_add(lanes_rest(back[0]), lanes_mul(lanes_mul(left[0], base->mean), later));
+}
+
 Lanes layer_over_mirrors(const BsdfLayer *layer, const BsdfConductor *base, Vec3f view, Vec3f light,
                          Lanes reflectance_v, Lanes reflectance_l, Lanes passed_v, Lanes passed_l)
 {
@@ -80,11 +100,8 @@ Lanes layer_over_mirrors(const BsdfLayer *layer, const BsdfConductor *base, Vec3
         Lanes tint = lanes_div(lanes_mul(passed_v, passed_l), lanes_add(lanes_mul(in, out), lanes_all(1e-20f)));
         factor = lanes_mul(factor, lanes_clamp(tint, 0, 1));
     }
-    Lanes back = lanes_sqrt(lanes_mul(reflectance_v, reflectance_l)), again = lanes_mul(back, base->mean);
-    if (layer->tinted) again = lanes_mul(again, lanes_exp(lanes_scale(layer->depth, -2)));
-    factor = lanes_mul(factor, lanes_div(lanes_add(lanes_rest(back), lanes_all(1e-6f)),
-                                         lanes_add(lanes_rest(again), lanes_all(1e-6f))));
-    return factor;
+    Lanes mirrored = lanes_sqrt(lanes_mul(reflectance_v, reflectance_l));
+    return lanes_mul(factor, over_again(layer, base, view, light, mirrored));
 }
 
 Lanes layer_inner_reflectance(Lanes eta, Lanes eta_base)

@@ -13,6 +13,39 @@ Lanes layer_depth(Lanes transmittance)
     return depth;
 }
 
+/* What a boundary reflects of light from its side of index eta, relative to the other one, at cosines. */
+static Lanes reflected_within(Lanes eta, Lanes cosine)
+{
+    Lanes passed = lanes_sqrt(
+        lanes_greater(lanes_rest(lanes_mul(lanes_mul(eta, eta), lanes_rest(lanes_mul(cosine, cosine)))), lanes_all(0)));
+    Lanes a = lanes_mul(eta, cosine), b = lanes_mul(eta, passed);
+    Lanes s = lanes_div(lanes_sub(a, passed), lanes_add(a, passed)),
+          p = lanes_div(lanes_sub(cosine, b), lanes_add(cosine, b));
+    return lanes_scale(lanes_add(lanes_mul(s, s), lanes_mul(p, p)), 0.5f);
+}
+
+/* What is left of diffuse light from below that comes back from the layer's outer face: most of it goes beyond the critical angle, a long
+ * way through the layer. By Gauss's points, up to that angle's cosine and, as the square of a number, from there. */
+static Lanes left_of_returned(Lanes eta, Lanes depth)
+{
+    static const float points[] = {0.0469101f, 0.2307653f, 0.5f, 0.7692347f, 0.9530899f},
+                       weights[] = {0.1184634f, 0.2393143f, 0.2844444f, 0.2393143f, 0.1184634f};
+    const Lanes twice = lanes_scale(depth, -2), one = lanes_all(1);
+    Lanes square = lanes_greater(lanes_rest(lanes_div(one, lanes_mul(eta, eta))), lanes_all(0));
+    Lanes critical = lanes_sqrt(square), above = lanes_rest(critical), left = lanes_all(0), all = square;
+    for (size_t i = 0; i < COUNT_OF(points); i++) {
+        Lanes cosine = lanes_greater(lanes_scale(critical, points[i]), lanes_all(1e-6f));
+        left = lanes_add(
+            left, lanes_scale(lanes_mul(square, lanes_exp(lanes_div(twice, cosine))), 2 * points[i] * weights[i]));
+        cosine = lanes_add(critical, lanes_scale(above, points[i] * points[i]));
+        Lanes part =
+            lanes_mul(lanes_scale(lanes_mul(cosine, above), 4 * points[i] * weights[i]), reflected_within(eta, cosine));
+        all = lanes_add(all, part);
+        left = lanes_add(left, lanes_mul(part, lanes_exp(lanes_div(twice, cosine))));
+    }
+    return lanes_div(left, lanes_add(all, lanes_all(1e-12f)));
+}
+
 /* Written where it is wanted: its index is large, and each copy is waited for. */
 void layer_make(Lanes eta, float alpha_x, float alpha_y, Lanes tint, const BsdfKnown *known, BsdfLayer *layer)
 {
@@ -31,7 +64,10 @@ void layer_make(Lanes eta, float alpha_x, float alpha_y, Lanes tint, const BsdfK
     Lanes passed_back = lanes_clamp(lanes_div(passed, lanes_mul(eta, eta)), 0, 1);
     layer->norm = lanes_div(passed_back, lanes_add(passed, lanes_all(1e-12f)));
     layer->returned = lanes_rest(passed_back);
-    if (layer->tinted) layer->returned = lanes_mul(layer->returned, lanes_exp(lanes_scale(layer->depth, -2)));
+    if (layer->tinted) {
+        layer->returned_left = left_of_returned(eta, layer->depth);
+        layer->returned = lanes_mul(layer->returned, layer->returned_left);
+    }
 }
 
 void layer_find_among(BsdfLayer *layer)

@@ -70,7 +70,8 @@ typedef struct BsdfLayer {
     MicrofacetIndex among;  /* in the tables of layered.h */
     Lanes eta;              /* relative to the medium in front */
     Lanes depth;            /* optical depth of one crossing along the normal */
-    Lanes returned;         /* part of diffuse light from below that comes back, absorption included */
+    Lanes returned;         /* part of diffuse light from below that comes back, absorption included; */
+    Lanes returned_left;    /* and what that leaves of it, where it is tinted */
     Lanes mean_passed;      /* of diffuse light from above, without absorption */
     Lanes norm;             /* what passes of diffuse light from below, over what passes from above */
     const BsdfKnown *known; /* of what it reflects; NULL: nothing */

@@ -35,6 +35,36 @@ Lanes layered_lookup(const LayeredTable table[], MicrofacetPlace base, const Mic
     return result;
 }
 
+/* over roughnesses and angles */
+static float returned_at(MicrofacetPlace roughness, int cell, MicrofacetPlace angle, int time)
+{
+    float sum = 0;
+    for (int i = 0; i < 4; i++) {
+        float part =
+            (i & 1 ? roughness.fraction : 1 - roughness.fraction) * (i & 2 ? angle.fraction : 1 - angle.fraction);
+        sum += part * layered_return[roughness.knot + (i & 1)][cell][angle.knot + (i >> 1)][time];
+    }
+    return sum;
+}
+
+void layered_returned(MicrofacetPlace roughness, const MicrofacetIndex *index, const float cosines[2], Lanes more[2])
+{
+    MicrofacetPlace angles[2];
+    more[0] = more[1] = lanes_all(0);
+    for (int k = 0; k < 2; k++) angles[k] = microfacet_place(cosines[k], LAYERED_RETURN_ANGLES);
+    for (int time = 0; time < 2; time++)
+        for (int i = 0; i < LANES; i++) {
+            float ends[2] = {0, 0};
+            for (int end = 0; end < 2; end++)
+                for (int k = 0; k < 2; k++)
+                    ends[end] += 0.5f * returned_at(roughness, index->cell[i] + end, angles[k], time);
+            Lanes all = lanes_add(lanes_all(ends[0]), lanes_scale(index->fraction, ends[1] - ends[0]));
+            if (index->one_cell && index->side[i] == 0) more[time] = all;
+            if (index->one_cell) break;
+            if (index->side[i] == 0) lanes_set(&more[time], i, lanes_get(all, i));
+        }
+}
+
 float layered_lookup_fuzz(const LayeredFuzzTable table[], MicrofacetPlace base, MicrofacetPlace roughness, float share,
                           float angle)
 {

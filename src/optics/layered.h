@@ -8,6 +8,10 @@
  * on is treated alike. Under a layer of the smaller index T ends at the critical angle, and facets see that blurred: sqrt(T)
  * becomes T over the root of T at a softened cosine (microfacet_softened).
  *
+ * What rough facets send up to the layer goes beyond its critical angle, in part, and comes back: more than the layer reflects of light
+ * that comes from outside. The table `returned` has that excess of the first time, and of all later ones as if they were alike, for
+ * facets as they are within the layer, where light comes to them bent. Under a layer of the smaller index there is none.
+ *
  * Fuzz: the microfiber distribution D = (2 + e) / (2 pi) sin(h)^e of A. Conty Estevez, C. Kulla, "Production Friendly
  * Microfacet Sheen BRDF" (2017), with 1 / e from 0.25 to 1, and the visibility 1 / (4 (v.z + l.z - v.z l.z)) of D.
  * Neubelt, M. Pettineo, "Crafting a Next-Gen Material Pipeline for The Order: 1886" (2013). It is reciprocal and, for
@@ -22,13 +26,15 @@
 
 enum {
     LAYERED_ANGLES = 33,
-    LAYERED_INDICES = 12,     /* of the layer, as those of microfacet.h */
-    LAYERED_ROUGHNESSES = 13, /* of the layer */
-    LAYERED_MIRRORS = 17,     /* roughnesses of what is under it, from 0 to 1 */
-    LAYERED_DIFFUSES = 4,     /* the same of EON */
-    LAYERED_FUZZ = 9,         /* roughnesses of fuzz */
-    LAYERED_SHARES = 5,       /* of what it stands on that is covered, from 0 to 1 */
-    LAYERED_SKIN_FUZZ = 5,    /* the same for what becomes of a layer's own reflection, in fewer steps */
+    LAYERED_INDICES = 12,           /* of the layer, as those of microfacet.h */
+    LAYERED_ROUGHNESSES = 13,       /* of the layer */
+    LAYERED_MIRRORS = 17,           /* roughnesses of what is under it, from 0 to 1 */
+    LAYERED_DIFFUSES = 4,           /* the same of EON */
+    LAYERED_RETURN_ROUGHNESSES = 9, /* the same of facets, for what comes back to them */
+    LAYERED_RETURN_ANGLES = 9,      /* by the cosine outside */
+    LAYERED_FUZZ = 9,               /* roughnesses of fuzz */
+    LAYERED_SHARES = 5,             /* of what it stands on that is covered, from 0 to 1 */
+    LAYERED_SKIN_FUZZ = 5,          /* the same for what becomes of a layer's own reflection, in fewer steps */
     LAYERED_SKIN_SHARES = 3,
     LAYERED_SKIN_ROUGHNESSES = 7,
     LAYERED_SKIN_ANGLES = 17
@@ -43,6 +49,8 @@ extern const LayeredFuzzTable layered_fuzz_mirror[LAYERED_MIRRORS], layered_fuzz
 typedef float LayeredSkinTable[LAYERED_SKIN_FUZZ][LAYERED_SKIN_SHARES][LAYERED_SKIN_ROUGHNESSES][2][LAYERED_INDICES]
                               [LAYERED_SKIN_ANGLES];
 extern const LayeredSkinTable layered_fuzz_skin;
+typedef float LayeredReturnTable[LAYERED_INDICES][LAYERED_RETURN_ANGLES][2];
+extern const LayeredReturnTable layered_return[LAYERED_RETURN_ROUGHNESSES];
 extern const float layered_fuzz_albedo[LAYERED_FUZZ][LAYERED_ANGLES]; /* by the root of the cosine */
 
 /* Which of these: t of a row of under_mirror, under a layer, is u sqrt(T) (T / mean T)^(quarters / 4); within, with T' at the
@@ -55,6 +63,8 @@ static inline int layered_quarters(int row)
  * microfacet_angle and microfacet_angle_within of the facets, or both the cosine over EON. */
 Lanes layered_lookup(const LayeredTable table[], MicrofacetPlace base, const MicrofacetIndex *index,
                      const float angles[2]);
+/* Of two directions, outside, for both together: *more* of the first time and of later ones. */
+void layered_returned(MicrofacetPlace roughness, const MicrofacetIndex *index, const float cosines[2], Lanes more[2]);
 /* The same under fuzz. */
 float layered_lookup_fuzz(const LayeredFuzzTable table[], MicrofacetPlace base, MicrofacetPlace roughness, float share,
                           float angle);

@@ -23,6 +23,7 @@ typedef struct Way {
 static Way ways[LAYERED_ANGLES][WAYS];
 static float cosines[LAYERED_ANGLES]; /* of the knots */
 static LayeredTable mirrors[LAYERED_MIRRORS], diffuses[LAYERED_DIFFUSES];
+static LayeredReturnTable returns[LAYERED_RETURN_ROUGHNESSES];
 static float fuzz[LAYERED_FUZZ][LAYERED_ANGLES];
 static LayeredFuzzTable fuzz_mirrors[LAYERED_MIRRORS], fuzz_diffuses[LAYERED_DIFFUSES];
 static LayeredSkinTable skins;
@@ -167,6 +168,61 @@ static void solve_layer(LayeredTable table, int side, int index, float blur, int
     }
 }
 
+/* ---- what comes back to facets ---- */
+
+/* What white facets get back at first, from each knot; and at all later times together, if each is alike, as what facets say that
+ * reflect `mean` each time. */
+static void solve_returns_at_knots(float eta, double first[LAYERED_ANGLES], double later[LAYERED_ANGLES])
+{
+    static double again[LAYERED_ANGLES][LAYERED_ANGLES];
+    const double mean = 0.8;
+    double out[LAYERED_ANGLES], sent[LAYERED_ANGLES];
+    for (int i = 0; i < LAYERED_ANGLES; i++) {
+        double white = 0;
+        first[i] = 0, sent[i] = mean;
+        for (int k = 0; k < LAYERED_ANGLES; k++) again[i][k] = 0;
+        for (int k = 0; k < WAYS; k++) {
+            const Way *way = &ways[i][k];
+            double back = (double)way->weight * (double)fresnel_dielectric(way->cosine, eta, 1);
+            white += (double)way->weight;
+            first[i] += back;
+            again[i][way->knot] += back * (1 - (double)way->fraction);
+            again[i][way->knot + 1] += back * (double)way->fraction;
+        }
+        first[i] /= white;
+        out[i] = 1 - first[i];
+        for (int k = 0; k < LAYERED_ANGLES; k++) again[i][k] /= white;
+    }
+    for (int round = 0; round < ROUNDS; round++)
+        for (int i = 0; i < LAYERED_ANGLES; i++) {
+            double sum = out[i];
+            for (int k = 0; k < LAYERED_ANGLES; k++) sum += again[i][k] * sent[k];
+            sent[i] = mean * sum;
+        }
+    for (int i = 0; i < LAYERED_ANGLES; i++) {
+        double y = (sent[i] / mean - out[i]) / (first[i] * mean); /* (1 - b) / (1 - b m) */
+        later[i] = fmin(fmax((1 - y) / (1 - y * mean), 0), 1);
+    }
+}
+
+/* look_at_mirrors has been for that alpha. */
+static void solve_returns(float alpha, int index, LayeredReturnTable table)
+{
+    double knots[2][LAYERED_ANGLES];
+    const float eta = index_of(index);
+    solve_returns_at_knots(eta, knots[0], knots[1]);
+    for (int k = 0; k < LAYERED_RETURN_ANGLES; k++) {
+        float outside = fmaxf((float)k / (LAYERED_RETURN_ANGLES - 1), 1e-3f);
+        float inside = sqrtf(1 - (1 - outside * outside) / (eta * eta));
+        MicrofacetPlace place = microfacet_place(angle_of(inside, alpha, 0), LAYERED_ANGLES);
+        for (int time = 0; time < 2; time++) {
+            const double *row = knots[time];
+            double at = row[place.knot] + (row[place.knot + 1] - row[place.knot]) * (double)place.fraction;
+            table[index][k][time] = (float)fmax(at - (double)fresnel_dielectric(outside, 1, eta), 0);
+        }
+    }
+}
+
 static void solve_fuzz(LayeredFuzzTable table, int quarters)
 {
     for (int i = 0; i < LAYERED_FUZZ; i++)
@@ -267,6 +323,12 @@ int main(int argc, char **argv)
         for (int k = 0; k < LAYERED_INDICES; k++) solve_layer(mirrors[i], 0, k, alpha, layered_quarters(i));
         solve_fuzz(fuzz_mirrors[i], 0);
     }
+    for (int i = 0; i < LAYERED_RETURN_ROUGHNESSES; i++) {
+        float r = (float)i / (LAYERED_RETURN_ROUGHNESSES - 1), alpha = fmaxf(r * r, 1.01f * MICROFACET_SMOOTH_ALPHA);
+        look_at_mirrors(alpha, 0);
+        /* between equal indices nothing comes back */
+        for (int k = 1; k < LAYERED_INDICES; k++) solve_returns(alpha, k, returns[i]);
+    }
     for (int i = 0; i < LAYERED_DIFFUSES; i++) {
         look_at_diffuse((float)i / (LAYERED_DIFFUSES - 1));
         for (int k = 0; k < 2 * LAYERED_INDICES; k++) solve_layer(diffuses[i], k % 2, k / 2, 1, 2);
@@ -293,6 +355,8 @@ int main(int argc, char **argv)
                        sizeof fuzz_diffuses / sizeof(float), LAYERED_ANGLES);
     table_write_floats(out, "LayeredSkinTable layered_fuzz_skin", &skins[0][0][0][0][0][0],
                        sizeof skins / sizeof(float), LAYERED_ANGLES);
+    table_write_floats(out, "LayeredReturnTable layered_return[LAYERED_RETURN_ROUGHNESSES]", &returns[0][0][0][0],
+                       sizeof returns / sizeof(float), 2 * LAYERED_RETURN_ANGLES);
     table_write_floats(out, "float layered_fuzz_albedo[LAYERED_FUZZ][LAYERED_ANGLES]", &fuzz[0][0],
                        sizeof fuzz / sizeof(float), LAYERED_ANGLES);
     return table_close(out, "layered_gen", argv[1]);
