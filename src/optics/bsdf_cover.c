@@ -85,7 +85,8 @@ static Lanes over_again(const BsdfLayer *layer, const BsdfConductor *base, Vec3f
     }
     if (layer->tinted) {
         Lanes straight = lanes_mul(mirrored, lanes_exp(lanes_scale(layer->depth, -2)));
-        for (int i = 0; i < 2; i++) left[i] = lanes_add(straight, lanes_mul(more[i], layer->returned_left));
+        for (int i = 0; i < 2; i++)
+            left[i] = lanes_lesser(back[i], lanes_add(straight, lanes_mul(more[i], layer->returned_left)));
     }
     Lanes later = lanes_div(lanes_rest(back[1]), lanes_rest(lanes_mul(left[1], base->mean)));
     return lanes_add(lanes_rest(back[0]), lanes_mul(lanes_mul(left[0], base->mean), later));

@@ -26,7 +26,7 @@
 
 enum {
     LAYERED_ANGLES = 33,
-    LAYERED_INDICES = 12,           /* of the layer, as those of microfacet.h */
+    LAYERED_INDICES = 14,           /* of the layer, as those of microfacet.h */
     LAYERED_ROUGHNESSES = 13,       /* of the layer */
     LAYERED_MIRRORS = 17,           /* roughnesses of what is under it, from 0 to 1 */
     LAYERED_DIFFUSES = 4,           /* the same of EON */

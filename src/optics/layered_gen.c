@@ -153,8 +153,7 @@ static void solve(const Cover *cover, int quarters, float u[LAYERED_ANGLES])
 
 static float index_of(int knot)
 {
-    float y = (float)knot / (LAYERED_INDICES - 1), x = y * y * y * y / 2;
-    return (1 + x) / (1 - x);
+    return microfacet_index_at((float)knot / (LAYERED_INDICES - 1));
 }
 
 static void solve_layer(LayeredTable table, int side, int index, float blur, int quarters)

@@ -31,7 +31,8 @@ MicrofacetIndex microfacet_index_among(float alpha_x, float alpha_y, Lanes eta, 
     /* a mean of the indices, each the way around that is below 1 */
     index.critical =
         microfacet_critical(lanes_get(part, 0) + lanes_get(part, 1) + lanes_get(part, 2) + lanes_get(part, 3));
-    Lanes contrast = lanes_div(lanes_scale(lanes_abs(lanes_sub(eta, one)), 2), lanes_add(eta, one));
+    Lanes contrast =
+        lanes_div(lanes_scale(lanes_abs(lanes_sub(eta, one)), 1 / MICROFACET_LARGEST_CONTRAST), lanes_add(eta, one));
     Lanes position = lanes_scale(lanes_sqrt(lanes_sqrt(contrast)), (float)(n_indices - 1));
     position = lanes_greater(position, lanes_all(0)); /* NaN gives 0 */
     Lanes held = lanes_lesser(position, last);

@@ -62,7 +62,7 @@ static inline float microfacet_shadowing_through(float z_v, float s_v, float z_l
 
 /* ---- the tables ---- */
 
-enum { MICROFACET_ANGLES = 65, MICROFACET_ROUGHNESSES = 33, MICROFACET_INDICES = 32 };
+enum { MICROFACET_ANGLES = 65, MICROFACET_ROUGHNESSES = 33, MICROFACET_INDICES = 40 };
 
 /* Angles are tabulated by the mean of cosine, masking, and what is between, so that the grazing part, of the width of
  * alpha, the way from there on, and the rest have a third of the knots each; 0..1. */
@@ -91,8 +91,15 @@ static inline float microfacet_critical(float n)
 {
     return sqrtf(float_max((1 - n) * (1 + n), 1e-6f));
 }
-/* alpha by its root, the artist's roughness. A relative index n by the fourth root of 2 |n - 1| / (n + 1): the critical
- * angle goes with the root of n - 1, and most happens near 1; up to 3, beyond as at 3. */
+/* alpha by its root, the artist's roughness. A relative index n by the fourth root of |n - 1| / (n + 1), over what that is for the largest:
+ * the critical angle goes with the root of n - 1, and most happens near 1; up to 10, beyond as at 10. */
+#define MICROFACET_LARGEST_CONTRAST (9.0f / 11)
+/* place: 0 .. 1, among the rows of a table; n >= 1 */
+static inline float microfacet_index_at(float place)
+{
+    float contrast = MICROFACET_LARGEST_CONTRAST * place * place * place * place;
+    return (1 + contrast) / (1 - contrast);
+}
 
 /* values -1 .. 1 as (x + 1) * MICROFACET_ONE */
 #define MICROFACET_ONE 32767

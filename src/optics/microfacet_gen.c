@@ -33,8 +33,7 @@ static float alpha_of(int roughness)
 }
 static float index_of(int knot)
 {
-    float y = (float)knot / (MICROFACET_INDICES - 1), x = y * y * y * y / 2;
-    return (1 + x) / (1 - x);
+    return microfacet_index_at((float)knot / (MICROFACET_INDICES - 1));
 }
 static Vec3f direction_of(float z)
 {

@@ -38,8 +38,7 @@ static void alphas_of(int roughness, int ratio, float *alpha_x, float *alpha_y)
 
 static float index_of(int knot)
 {
-    float y = (float)knot / (STRETCHED_INDICES - 1), x = y * y * y * y / 2;
-    return (1 + x) / (1 - x);
+    return microfacet_index_at((float)knot / (STRETCHED_INDICES - 1));
 }
 
 static Vec3f direction_at(int azimuth, float z)
