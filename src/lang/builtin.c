@@ -118,6 +118,17 @@ static void hint_at_brackets(const BuiltinCall *call, const Value *given, const 
         diag_hint(diag, report, "a list stands between '[' and ']': [1, 2, 3]; parts of a vector are v.x, v.y and v.z");
 }
 
+/* The axis that stands behind a number, as in rotate(90, x); where there is none, y. */
+static const char *axis_behind(const BuiltinCall *call, uint32_t index)
+{
+    static const char *const names[] = {"x", "y", "z"};
+    if (index + 1 >= call->n || call->args[index + 1].kind != VALUE_VECTOR3) return "y";
+    const double *v = call->args[index + 1].as.v;
+    for (int axis = 0; axis < 3; axis++)
+        if (v[axis] == 1 && v[(axis + 1) % 3] == 0 && v[(axis + 2) % 3] == 0) return names[axis];
+    return "y";
+}
+
 void builtin_wrong(const BuiltinCall *call, uint32_t index, const char *wanted, Value *result)
 {
     const Args *args = &call->expr->as.call.args;
@@ -128,9 +139,12 @@ void builtin_wrong(const BuiltinCall *call, uint32_t index, const char *wanted, 
     bool number = call->args[index].kind == VALUE_NUMBER && strstr(wanted, "vector of 3");
     bool turns = strcmp(call->expr->as.call.name, "rotate") == 0,
          moves = strcmp(call->expr->as.call.name, "translate") == 0;
-    if (number && !eval_hint_at_axis(call->evaluator, report, expr) && (turns || moves))
-        diag_hint(call->evaluator->diag, report, turns ? "write: rotate(y, %g)" : "write: translate(<%g, 0, 0>)",
+    const bool knows = number && !eval_hint_at_axis(call->evaluator, report, expr);
+    if (knows && turns)
+        diag_hint(call->evaluator->diag, report, "write: rotate(%s, %g)", axis_behind(call, index),
                   call->args[index].as.number);
+    else if (knows && moves)
+        diag_hint(call->evaluator->diag, report, "write: translate(<%g, 0, 0>)", call->args[index].as.number);
     else if (!number)
         hint_at_brackets(call, &call->args[index], wanted, report);
     result->kind = VALUE_POISON;

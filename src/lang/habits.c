@@ -7,6 +7,7 @@
 #include "base/attr.h"
 
 #define HABIT_DIRECTIVE(word, form, pattern)
+#define HABIT_LIBRARY(words, text)
 #define HABIT_VALUES(node, names)
 #define HABIT_BLOCK(words, text)
 #define HABIT_NODE(words, text)
@@ -39,6 +40,14 @@ static const struct {
 #include "lang/habits.def"
 #undef HABIT_DIRECTIVE
 #define HABIT_DIRECTIVE(word, form, pattern)
+};
+
+static const HabitRow library_rows[] = {
+#undef HABIT_LIBRARY
+#define HABIT_LIBRARY(words, text) {words, text},
+#include "lang/habits.def"
+#undef HABIT_LIBRARY
+#define HABIT_LIBRARY(words, text)
 };
 
 static const HabitRow value_rows[] = {
@@ -266,6 +275,10 @@ const char *habit_directive_pattern(const char *word)
 const char *habit_values(const char *node)
 {
     return find(value_rows, COUNT_OF(value_rows), node);
+}
+const char *habit_library(const char *name)
+{
+    return find(library_rows, COUNT_OF(library_rows), name);
 }
 const char *habit_block(const char *word)
 {

@@ -31,6 +31,8 @@ DirectiveForm habit_directive(const char *word, size_t length);
 /* The rest answer NULL for words that they do not know. */
 const char *habit_directive_pattern(const char *word);
 const char *habit_values(const char *node);
+/* What takes the place of a file that comes with POV-Ray, without its ending; NULL: of another one. */
+const char *habit_library(const char *name);
 const char *habit_block(const char *word);                     /* POV-Ray's */
 const HabitRow *habit_blocks(size_t *n);                       /* all of them */
 const char *habit_node(const char *word);                      /* the same and those of others */

@@ -65,6 +65,31 @@ static bool holds_word(const char *text, const char *word)
     return false;
 }
 
+/* What takes the place of a file that comes with POV-Ray; name: in quotes. NULL: it is another one. */
+static const char *in_place_of(const Parser *parser, const char *name)
+{
+    size_t length = strlen(name), around = strlen("\"") + strlen(".inc\"");
+    if (length <= around || strcmp(name + length - 5, ".inc\"") != 0) return NULL;
+    return habit_library(arena_format(parser->arena, "%.*s", (int)(length - around), name + 1));
+}
+
+/* What a directive becomes by what stands around it, and by what it names; NULL: what the table says. */
+static const char *special_pattern(const Parser *parser, DirectiveForm form, const char *word, const char *name,
+                                   const char *rest)
+{
+    const char *value = rest + strlen(name) + strspn(rest + strlen(name), " =");
+    const bool binds = form == DIRECTIVE_BIND && strlen(rest) > strlen(name);
+    if (binds && holds_word(value, name)) /* N = N + 1 */
+        return arena_format(parser->arena, "%s := %s, and var %s where it is declared", name, value, name);
+    if (binds && parser->directives > 0 && strcmp(word, "declare") == 0)
+        return arena_format(
+            parser->arena,
+            "let %s = %s, or, where it is used behind this block, var %s = ... before that and %s := %s "
+            "here",
+            name, value, name, name, value);
+    return NULL;
+}
+
 void parse_directive(Parser *parser)
 {
     Span span = token_span(parser);
@@ -79,8 +104,12 @@ void parse_directive(Parser *parser)
     if (form == DIRECTIVE_MIDDLE && parser->token.kind == TOKEN_PAREN_OPEN) skip_brackets(parser);
     uint32_t name_end = parser->token.end, name_begin = parser->token.begin;
     const char *rest = directive_rest(parser, form), *name = quote(parser, name_begin, name_end);
-    if (form == DIRECTIVE_BIND && strlen(rest) > strlen(name) && holds_word(rest + strlen(name), name)) /* N = N + 1 */
-        pattern = arena_format(parser->arena, "%s := %s, and var %s where it is declared", name,
-                               rest + strlen(name) + strspn(rest + strlen(name), " ="), name);
-    if (report && pattern && !parser->panic) hint_write(parser, report, habit_fill(parser->arena, pattern, rest));
+    const char *special = special_pattern(parser, form, word, name, rest);
+    if (special) pattern = special;
+    const char *instead = strcmp(word, "include") == 0 ? in_place_of(parser, name) : NULL;
+    if (!report || parser->panic) return;
+    if (instead)
+        diag_hint(parser->diag, report, "%s", instead);
+    else if (pattern)
+        hint_write(parser, report, habit_fill(parser->arena, pattern, rest));
 }

@@ -619,6 +619,18 @@ static const Expr *find_random(const Expr *expr, int depth)
     return found;
 }
 
+/* Whether it is a part of a circle, whose radius is the same in two coordinates: (9 + rnd(i)) * cos(a). */
+static bool is_part_of_circle(const Expr *expr, int depth)
+{
+    if (!expr || depth == 0) return false;
+    if (expr->kind == EXPR_CALL) {
+        const Expr *callee = expr->as.call.callee;
+        return callee->kind == EXPR_NAME && is_circular(callee->as.name.symbol);
+    }
+    return expr->kind >= EXPR_NEGATE && expr->kind <= EXPR_POWER &&
+           (is_part_of_circle(expr->as.op.a, depth - 1) || is_part_of_circle(expr->as.op.b, depth - 1));
+}
+
 /* <rnd(i), rnd(i), rnd(i)>: where numbers at random have a state, these are three, and here they are one. */
 static void warn_of_same_random(Resolver *resolver, const Expr *vector)
 {
@@ -626,7 +638,7 @@ static void warn_of_same_random(Resolver *resolver, const Expr *vector)
     const Expr *first = NULL;
     for (uint32_t i = 0; i < vector->as.list.n; i++) {
         const Expr *call = find_random(vector->as.list.items[i], DEPTH);
-        if (!call) continue;
+        if (!call || is_part_of_circle(vector->as.list.items[i], DEPTH)) continue;
         const char *text = resolver->diag->sources->sources[call->span.source].text;
         uint32_t length = call->span.end - call->span.begin;
         if (first && first->span.end - first->span.begin == length &&
@@ -635,7 +647,9 @@ static void warn_of_same_random(Resolver *resolver, const Expr *vector)
                 diag_report(resolver->diag, D_SAME_RANDOM, call->span, "'%.*s' is the same number as before",
                             (int)(length < 40 ? length : 40), text + call->span.begin);
             diag_hint(resolver->diag, report,
-                      "one that differs has another argument more: rnd(i, 1), rnd(i, 2), rnd(i, 3)");
+                      "one that differs has another argument more: rnd(i, 1), rnd(i, 2), rnd(i, 3); where it is meant "
+                      "to be the "
+                      "same, let r = rnd(...) before says so");
             return;
         }
         if (!first) first = call;
