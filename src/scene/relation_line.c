@@ -29,11 +29,14 @@ static bool coincide(const Hit *a, const Hit *b)
            fabs(normals_dot(a, b)) > parallel;
 }
 
-/* Nothing but the world stands at t. */
-static bool is_empty_at(const Probe *probe, double t)
+/* Nothing but the world stands between two faces. */
+static bool is_empty_between(const Probe *probe, const Hit *leave, const Hit *enter)
 {
-    for (size_t i = 0; i < probe->n_intervals; i++)
-        if (probe->intervals[i].begin < t && t < probe->intervals[i].end) return false;
+    const double nothing = rounding_of(leave, enter);
+    for (size_t i = 0; i < probe->n_intervals; i++) {
+        const Interval *in = &probe->intervals[i];
+        if (fmin(in->end, enter->t) - fmax(in->begin, leave->t) > nothing) return false;
+    }
     return true;
 }
 
@@ -55,7 +58,7 @@ static void note_gap(const CompiledScene *compiled, const Probe *probe, const Li
     double widest = RELATION_GAP_PART * fmin(middle_extent(compiled->hull_bounds[facts->own]),
                                              middle_extent(compiled->hull_bounds[facts->other]));
     if (across > widest || across <= rounding_of(leave, enter) || outward_dot(leave, enter) > opposite) return;
-    if (!is_empty_at(probe, middle)) {
+    if (!is_empty_between(probe, leave, enter)) {
         facts->blocked = true;
         return;
     }

@@ -141,6 +141,12 @@ static void touching_and_gaps_are_told_apart(void **state)
                               "= <0, 1.01, 0> to = <4, 3, 4> }"
                               "box { interior = water from = <-1, -1, -1> to = <9, 9, 9> }")
                           .gap));
+    /* by two that meet in its middle, too, of which neither is there */
+    assert_true(isinf(pair_in("box a { interior = glass from = <0, 0, 0> to = <4, 1, 4> } box b { interior = ice from "
+                              "= <0, 1.02, 0> to = <4, 3, 4> }"
+                              "for (i in 0..1) { box { interior = water from = <0, 1 + .01 * i, 0> to = <4, 1 + .01 * "
+                              "(i + 1), 4> } }")
+                          .gap));
     assert_true(isinf(
         pair_in("box a { interior = glass from = <-9, -2, -9> to = <9, -1, 9> } sphere b { interior = ice }").gap));
     assert_true(isinf(pair_in("box a { interior = glass from = <0, 0, 0> to = <4, 1, 4> } box b { interior = ice from "
