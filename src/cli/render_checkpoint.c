@@ -132,10 +132,16 @@ void render_note(const RenderRun *run, CheckpointNotes *notes, CheckpointTexts *
     if (camera) add_fact(notes, texts, "camera", "%s", camera);
     add_fact(notes, texts, "number of the camera", "%u", settings->camera + 1);
     add_fact(notes, texts, "size", "%u x %u", settings->width, settings->height);
-    add_fact(notes, texts, "crop", "%u,%u,%u,%u", crop[0], crop[1], crop[2], crop[3]);
+    if (crop[2] > crop[0])
+        add_fact(notes, texts, "crop", "%u,%u,%u,%u", crop[0], crop[1], crop[2], crop[3]);
+    else
+        add_fact(notes, texts, "crop", "none");
     add_fact(notes, texts, "seed", "%u", settings->seed);
     add_fact(notes, texts, "nesting", "%s", nest_policy_text(run->input.compiled->order.policy));
-    add_fact(notes, texts, "bounces", "%u", settings->bounces);
+    if (settings->bounces == SCENE_BOUNCES_BY_CHANCE)
+        add_fact(notes, texts, "bounces", "no limit");
+    else
+        add_fact(notes, texts, "bounces", "%u", settings->bounces);
     add_fact(notes, texts, "caustics", "%s", caustics[settings->caustics]);
     add_fact(notes, texts, "adaptive", "%s", settings->adaptive ? "on" : "off");
     add_fact(notes, texts, "fireflies", "%s", settings->spreads ? "spread" : "keep");

@@ -179,7 +179,7 @@ exits 75
 changed() { wanted=$1; shift; run render -o a.exr -s 16000000 -t 0.3 --resume "$@"; exits 4; says err "$wanted"; says err "cannot go on from 'a.checkpoint.exr'"; }
 changed 'seed: 7 in this render, 0 in the checkpoint' kept.mns --seed 7
 changed 'size: 20 x 15 in this render, 40 x 30 in the checkpoint' kept.mns --scale 50%
-changed 'crop: 0,0,8,8 in this render, 0,0,0,0 in the checkpoint' kept.mns --crop 0,0,8,8
+changed 'crop: 0,0,8,8 in this render, none in the checkpoint' kept.mns --crop 0,0,8,8
 changed 'AOVs: normal in this render, none in the checkpoint' kept.mns --aov normal
 changed 'nesting: entered' kept.mns --nesting entered
 changed 'fireflies: keep' kept.mns --fireflies keep
