@@ -251,25 +251,39 @@ static Diagnostic *sorted(Diagnostic *list)
     return head;
 }
 
-/* Of names that nothing uses, where there are errors: many follow from these, and push them down. */
-static Diagnostic *unused_last(Diagnostic *list)
+/* Puts those reports of which that holds behind the others. */
+static Diagnostic *put_last(const Diag *diag, Diagnostic *list, bool (*is_last)(const Diag *, const Diagnostic *))
 {
-    Diagnostic *others = NULL, **end = &others, *unused = NULL, **unused_end = &unused;
+    Diagnostic *others = NULL, **end = &others, *last = NULL, **last_end = &last;
     for (Diagnostic *report = list, *next; report; report = next) {
-        Diagnostic ***where = report->code == D_UNUSED_NAME ? &unused_end : &end;
+        Diagnostic ***where = is_last(diag, report) ? &last_end : &end;
         next = report->next;
         report->next = NULL;
         **where = report;
         *where = &report->next;
     }
-    *end = unused;
+    *end = last;
     return others;
+}
+
+/* What stands on the command line, as -D does, is read before the scene, of which mistakes may follow from it. */
+static bool is_of_scene(const Diag *diag, const Diagnostic *report)
+{
+    const Source *source = report->has_span ? &diag->sources->sources[report->span.source] : NULL;
+    return !source || source->path || source->name[0] != '-';
+}
+
+/* Where there are errors many names that nothing uses follow from these, and push them down. */
+static bool is_unused(const Diag *diag, const Diagnostic *report)
+{
+    (void)diag;
+    return report->code == D_UNUSED_NAME;
 }
 
 void diag_sort(Diag *diag)
 {
-    diag->first = sorted(diag->first);
-    if (diag->n_errors) diag->first = unused_last(diag->first);
+    diag->first = put_last(diag, sorted(diag->first), is_of_scene);
+    if (diag->n_errors) diag->first = put_last(diag, diag->first, is_unused);
     diag->last = diag->first;
     while (diag->last && diag->last->next) diag->last = diag->last->next;
 }

@@ -9,7 +9,7 @@
  * becomes T over the root of T at a softened cosine (microfacet_softened).
  *
  * What rough facets send up to the layer goes beyond its critical angle, in part, and comes back: more than the layer reflects of light
- * that comes from outside. The table `returned` has that excess of the first time, and of all later ones as if they were alike, for
+ * that comes from outside. The table layered_return has that excess of the first time, and of all later ones as if they were alike, for
  * facets as they are within the layer, where light comes to them bent. Under a layer of the smaller index there is none.
  *
  * Fuzz: the microfiber distribution D = (2 + e) / (2 pi) sin(h)^e of A. Conty Estevez, C. Kulla, "Production Friendly

@@ -177,6 +177,10 @@ says err "parameter 'level' is 9cm, outside of 1cm..5cm ["
 says err "parameter 'turn' is 180deg, outside of 0deg..90deg ["
 says err "parameter 'number' is 9, outside of 1..5 ["
 says err "parameter 'kind' is 3cm, outside of [1cm, 2cm, 2.5cm] ["
+printf 'assert(level < 5cm, "too high")\n' >> units.mns
+run check units.mns -D level=90mm
+exits 3
+[ "$(grep -n 'error:' err | head -1 | cut -d: -f2)" = -D ] || flunk "what the command line says is not the first mistake"
 run check units.mns -D number=90mm
 exits 3
 says err "parameter 'number' is 9cm, outside of 1cm..5cm ["
