@@ -176,8 +176,8 @@ Status checkpoint_write(const char *path, const RenderState *state, const Checkp
     if (exr->n_attributes > CHECKPOINT_MOST_ATTRIBUTES)
         return fail(error, STATUS_RENDER, "cannot write '%s': too many attributes", path);
     if (exr->n_attributes) memcpy(attributes, exr->attributes, exr->n_attributes * sizeof *attributes);
-    attributes[exr->n_attributes] = (ImageAttribute){
-        .name = CHECKPOINT_ATTRIBUTE, .type = ATTRIBUTE_TEXT, .text = "behind the picture"};
+    attributes[exr->n_attributes] =
+        (ImageAttribute){.name = CHECKPOINT_ATTRIBUTE, .type = ATTRIBUTE_TEXT, .text = "behind the picture"};
     options.attributes = attributes;
     options.n_attributes = exr->n_attributes + 1;
     options.append = append_state;
