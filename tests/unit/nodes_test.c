@@ -114,6 +114,7 @@ static void hints_name_what_there_is(void **state)
 {
     (void)state;
 #define HABIT_DIRECTIVE(word, form, pattern)
+#define HABIT_LIBRARY(words, text)
 #define HABIT_SETTING(node, word, pattern)
 #define HABIT_TYPE(word)
 #define HABIT_FUNCTION(word)
