@@ -18,8 +18,10 @@ static float ahead(const Leads *leads, const Turns *turns, float *mirrored)
 
 float leads_lift(const Leads *leads, const Turns *turns)
 {
+    const float least =
+        1e-20f; /* what is as unlikely as that carries nothing, and one over it would leave the range of float */
     float mirrored, passed = ahead(leads, turns, &mirrored), chance = lanes_mean(turns->chance);
-    return leads->unled + (chance > 0 ? (passed + mirrored) / chance : 0);
+    return leads->unled + (chance > least ? (passed + mirrored) / chance : 0);
 }
 
 bool leads_choose(const Leads *leads, const Turns *turns, Lanes *mirrored)
