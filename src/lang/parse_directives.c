@@ -82,11 +82,10 @@ static const char *special_pattern(const Parser *parser, DirectiveForm form, con
     if (binds && holds_word(value, name)) /* N = N + 1 */
         return arena_format(parser->arena, "%s := %s, and var %s where it is declared", name, value, name);
     if (binds && parser->directives > 0 && strcmp(word, "declare") == 0)
-        return arena_format(
-            parser->arena,
-            "let %s = %s, or, where it is used behind this block, var %s = ... before that and %s := %s "
-            "here",
-            name, value, name, name, value);
+        return arena_format(parser->arena,
+                            "let %s = %s, or, where it is used behind this block, "
+                            "var %s = ... before that and %s := %s here",
+                            name, value, name, name, value);
     return NULL;
 }
 

@@ -647,9 +647,8 @@ static void warn_of_same_random(Resolver *resolver, const Expr *vector)
                 diag_report(resolver->diag, D_SAME_RANDOM, call->span, "'%.*s' is the same number as before",
                             (int)(length < 40 ? length : 40), text + call->span.begin);
             diag_hint(resolver->diag, report,
-                      "one that differs has another argument more: rnd(i, 1), rnd(i, 2), rnd(i, 3); where it is meant "
-                      "to be the "
-                      "same, let r = rnd(...) before says so");
+                      "one that differs has another argument more: rnd(i, 1), rnd(i, 2), rnd(i, 3); "
+                      "where it is meant to be the same, let r = rnd(...) before says so");
             return;
         }
         if (!first) first = call;

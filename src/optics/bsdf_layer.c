@@ -13,19 +13,16 @@ Lanes layer_depth(Lanes transmittance)
     return depth;
 }
 
-/* What a boundary reflects of light from its side of index eta, relative to the other one, at cosines. */
+/* What a boundary reflects of light from its side of index eta, relative to the other one, at cosines above the critical one. */
 static Lanes reflected_within(Lanes eta, Lanes cosine)
 {
-    Lanes passed = lanes_sqrt(
-        lanes_greater(lanes_rest(lanes_mul(lanes_mul(eta, eta), lanes_rest(lanes_mul(cosine, cosine)))), lanes_all(0)));
-    Lanes a = lanes_mul(eta, cosine), b = lanes_mul(eta, passed);
-    Lanes s = lanes_div(lanes_sub(a, passed), lanes_add(a, passed)),
-          p = lanes_div(lanes_sub(cosine, b), lanes_add(cosine, b));
-    return lanes_scale(lanes_add(lanes_mul(s, s), lanes_mul(p, p)), 0.5f);
+    Lanes sine_square = lanes_mul(lanes_mul(eta, eta), lanes_rest(lanes_mul(cosine, cosine)));
+    Lanes passed = lanes_sqrt(lanes_greater(lanes_rest(sine_square), lanes_all(0)));
+    return fresnel_dielectric_pair(cosine, passed, eta, lanes_all(1));
 }
 
-/* What is left of diffuse light from below that comes back from the layer's outer face: most of it goes beyond the critical angle, a long
- * way through the layer. By Gauss's points, up to that angle's cosine and, as the square of a number, from there. */
+/* What is left of diffuse light from below that comes back from the layer's outer face: most of it goes beyond the critical
+ * angle, a long way through the layer. By Gauss's points, up to that angle's cosine and, as the square of a number, from there. */
 static Lanes left_of_returned(Lanes eta, Lanes depth)
 {
     static const float points[] = {0.0469101f, 0.2307653f, 0.5f, 0.7692347f, 0.9530899f},

@@ -43,12 +43,12 @@ bool path_ask_guide(Path *path, const GuideAt *guide, Vec3f *direction)
 static void find_part(PathProbing *probing)
 {
     Leads found;
-    const Leads *leads = probing->leads;
-    if (!leads) guide_leads(&probing->guide, probing->direction, &found);
-    float lift = leads_lift(leads ? leads : &found, &probing->turns);
-    float part = sampling_balance(probing->density, probing->guide.share * lift);
-    probing->ratio = probing->guide.share * lift / probing->density;
-    probing->part = leads ? part * lift / leads->all : part;
+    const Leads *leads = probing->leads ? probing->leads : &found;
+    if (!probing->leads) guide_leads(&probing->guide, probing->direction, &found);
+    const float lift = leads_lift(leads, &probing->turns), probes = probing->guide.share * lift;
+    probing->ratio = probes / probing->density;
+    probing->part = sampling_balance(probing->density, probes);
+    if (probing->leads) probing->part *= lift / leads->all;
 }
 
 float path_weigh_probing(Path *path, float radiance)

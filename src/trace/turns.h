@@ -1,11 +1,11 @@
-/* turns.h - what light does at the smooth boundaries on its way, mirrored or passed, and how a probe does the same; private to
- * src/trace.
+/* turns.h - what light does at the smooth boundaries on its way, mirrored or passed, and how a probe does the same;
+ * private to src/trace.
  *
- * Of what comes to a rainbow's drop one part in fifty is mirrored within. A probe that leaves the wall in just the right direction, and
- * chooses at each boundary as often as that reflects, comes out on the sun's side one time in fifty. But photons that came that way
- * tell what they did at each boundary; so a probe does the same, in the other order, in most cases, and is weighted by how often it
- * would have done so by itself. For the same reason photons, of which one in fifty would be mirrored in the drop, and all others leave the
- * scene, choose more often what lets them land.
+ * Of what comes to a rainbow's drop one part in fifty is mirrored within. A probe that leaves the wall in just the right
+ * direction, and chooses at each boundary as often as that reflects, comes out on the sun's side one time in fifty. But photons
+ * that came that way tell what they did at each boundary; so a probe does the same, in the other order, in most cases, and is
+ * weighted by how often it would have done so by itself. For the same reason photons, of which one in fifty would be mirrored
+ * in the drop, and all others leave the scene, choose more often what lets them land.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_TURNS_H
 #define MEN_TURNS_H
