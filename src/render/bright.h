@@ -63,12 +63,8 @@ void bright_film_forget_row(BrightFilm *film, uint32_t x0, uint32_t x1, uint32_t
  * there, in the mean of a pixel's samples; its mean < 0: it says nothing. A pixel belongs to one thread at a time. */
 void bright_film_add(BrightFilm *film, uint32_t x, uint32_t y, const float rgb[3], uint32_t thing,
                      const Reflected *reflected);
-/* What is reflected in a pixel, in the mean; 1 where nothing is known. */
-static inline float bright_reflectance(const BrightPixel *pixel)
-{
-    return pixel->n_reflected ? (float)pixel->reflected / (BRIGHT_REFLECTED * (float)pixel->n_reflected) : 1;
-}
-/* Its colour: in each channel over the mean, with a quarter of a sample that says grey, as few may have seen few wavelengths. */
+/* The colour of what is reflected in a pixel: in each channel over the mean, with a quarter of a sample that says grey, as few may
+ * have seen few wavelengths. */
 static inline void bright_tint(const BrightPixel *pixel, float tint[3])
 {
     double grey = pixel->n_reflected ? 0.25 * (double)pixel->reflected / pixel->n_reflected : 0;

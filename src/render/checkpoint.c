@@ -199,9 +199,11 @@ static Status fail_foreign(const char *path, Error *error)
                     "cannot read '%s': the file is cut short, or another program wrote it anew and left the state of "
                     "the render out",
                     path);
-    return fail(error, STATUS_INPUT,
-                "cannot read '%s': it is a picture without the state of a render, neither a checkpoint nor a slice",
-                path);
+    return fail(
+        error, STATUS_INPUT,
+        "cannot read '%s': it is a picture without the state of a render, neither a checkpoint nor a slice, which "
+        "'render --checkpoint' and 'render --sample-range' write; parts of a picture ('--crop') are not joined",
+        path);
 }
 
 static Status fail_damaged(const Checkpoint *file, Error *error)

@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/array.h"
 #include "render/around.h"
@@ -18,6 +19,8 @@ enum { AROUND = 2, BESIDE = 1, COLORS_AROUND = 8 };
 /* A pixel is a hole by what it has less than this one of those next to it, counted from the darkest: holes may be two or three
  * in a row, and what is beside an edge is none. */
 enum { HOLE_RANK = 3 };
+/* What samples say of the reflectance is believed where around a pixel this part of them do; of fewer in proportion. */
+#define TOLD_PART 0.25f
 /* Rows that a thread gathers at a time. */
 enum { BAND = 16 };
 
@@ -92,6 +95,40 @@ static double hole_at(const Maps *maps, uint32_t x, uint32_t y)
         }
     if (n < HOLE_RANK) return 0;
     return fmax((double)darkest[HOLE_RANK - 1] - (double)maps->looks.plain[place_in(area, x, y)], 0);
+}
+
+/* In murky water one sample in thirty comes to a dark bottom, and all others are scattered before: such pixels are not black ones
+ * among white. So a pixel in which few say something has some of what those around it say, and what few say around it counts little. */
+static bool find_reflectances(const Maps *maps, float *scratch)
+{
+    const uint32_t *area = maps->area;
+    const size_t n = (size_t)maps->width * maps->height;
+    float *told = maps->looks.told, *sums = calloc(2 * n, sizeof *sums), *reflected = sums, *around = sums + n;
+    if (!sums) return false;
+    for (uint32_t y = area[1]; y < area[3]; y++)
+        for (uint32_t x = area[0]; x < area[2]; x++) {
+            const BrightPixel *bright = bright_at(maps, x, y);
+            const float n_samples = fmaxf((float)film_pixel(maps->film, x, y)->n, 1);
+            told[place_in(area, x, y)] = (float)bright->n_reflected / n_samples;
+            reflected[place_in(area, x, y)] = (float)bright->reflected / (BRIGHT_REFLECTED * n_samples);
+        }
+    mean_around(told, maps->width, maps->height, AROUND, scratch, around, maps->pool);
+    memcpy(told, around, n * sizeof *told);
+    mean_around(reflected, maps->width, maps->height, AROUND, scratch, around, maps->pool);
+    for (uint32_t y = area[1]; y < area[3]; y++)
+        for (uint32_t x = area[0]; x < area[2]; x++) {
+            const size_t i = place_in(area, x, y);
+            const BrightPixel *bright = bright_at(maps, x, y);
+            const float own = (float)bright->n_reflected, n_samples = (float)film_pixel(maps->film, x, y)->n;
+            const float others = n_samples > own ? 1 - own / n_samples : 0; /* as many samples of those around */
+            const float mean = told[i] > 0 ? around[i] / told[i] : 1;
+            const float said =
+                own + others > 0 ? ((float)bright->reflected / BRIGHT_REFLECTED + others * mean) / (own + others) : 1;
+            told[i] = float_min(told[i] / TOLD_PART, 1);
+            maps->looks.reflectance[i] = float_max(1 + told[i] * (said - 1), LEAST_REFLECTED);
+        }
+    free(sums);
+    return true;
 }
 
 static void look_at_row(void *context, uint32_t index, unsigned worker)
@@ -290,9 +327,9 @@ static bool maps_init(Maps *maps)
 {
     size_t n = (size_t)maps->width * maps->height;
     Looks *looks = &maps->looks;
-    float **floats[] = {&looks->plain,     &looks->plain_root, &looks->around, &looks->brightest,
-                        &looks->lit,       &looks->lit_around, &looks->found,  &looks->colors[0],
-                        &looks->colors[1], &looks->colors[2]};
+    float **floats[] = {&looks->plain,     &looks->plain_root, &looks->around,      &looks->brightest,
+                        &looks->lit,       &looks->lit_around, &looks->found,       &looks->colors[0],
+                        &looks->colors[1], &looks->colors[2],  &looks->reflectance, &looks->told};
     bool ready = (maps->rows = calloc(maps->height, sizeof *maps->rows)) != NULL;
     for (size_t i = 0; i < COUNT_OF(floats); i++) ready = (*floats[i] = calloc(n, sizeof(float))) != NULL && ready;
     ready = (looks->lights = calloc(n, sizeof *looks->lights)) != NULL && ready;
@@ -320,6 +357,8 @@ static void maps_clear(Maps *maps)
     free(looks->lit_around);
     free(looks->found);
     for (int c = 0; c < 3; c++) free(looks->colors[c]);
+    free(looks->reflectance);
+    free(looks->told);
     free(looks->brightest);
     free(looks->lights);
     free(looks->seen);
@@ -355,7 +394,7 @@ static bool look(Maps *maps)
     uint32_t width = maps->width, height = maps->height;
     size_t n = (size_t)width * height;
     float *scratch = calloc(n, sizeof *scratch), *around = calloc(n, sizeof *around);
-    bool ready = scratch && around;
+    bool ready = scratch && around && find_reflectances(maps, scratch);
     if (ready) {
         pool_run(maps->pool, height, look_at_row, maps);
         mean_around(looks->plain, width, height, AROUND, scratch, looks->around, maps->pool);
@@ -422,7 +461,7 @@ Status spread_init(Spread *spread, const Film *film, const BrightFilm *bright, c
     maps_clear(&maps);
     if (good) return STATUS_OK;
     spread_clear(spread);
-    return fail_memory(error, n * (sizeof *spread->pixels + (2 * BRIGHT_THINGS + 11 + BRIGHT_KEPT) * sizeof(float)),
+    return fail_memory(error, n * (sizeof *spread->pixels + (2 * BRIGHT_THINGS + 13 + BRIGHT_KEPT) * sizeof(float)),
                        "single bright samples");
 }
 

@@ -18,8 +18,8 @@
  * - It goes to pixels that show the same thing first, by how much of them does; not over the thing's edge. Parts of an
  *   object with other surfaces are things of their own, right behind its clear face, too. Behind clear things so are what
  *   stands there of another object, by its medium, as bubbles in a block; a medium that scatters; and what such a sample
- *   shows that found its light on the way. Pixels get by what is reflected there, in each channel, so that a texture stays
- *   whatever it is lit by; and those that have less light than their surroundings get less, so that shadows keep their
+ *   shows that found its light on the way. Pixels get by what is reflected there, in each channel, as far as
+ *   more than a few samples around say it, so that a texture stays whatever it is lit by; and those that have less light than their surroundings get less, so that shadows keep their
  *   contrast, and where comparable samples lie in what is bright alone, just by what light is there; where all have some of
  *   such samples, what they usually have counts, too. What an edge would cut off is folded at it, so that there is no dark
  *   frame along edges.

@@ -30,6 +30,8 @@ typedef struct Looks {
     float *lit;       /* what is plain, over its reflectance: how much light there is; */
     float *lit_around;            /* and the mean of that around it; */
     float *found;                 /* likewise all its light, with these samples: what there is of that next to it */
+    float *reflectance;           /* see find_reflectances; */
+    float *told;                  /* and how far what its samples say of it is believed */
     float *brightest;             /* of its samples, as far as they are kept; */
     float (*lights)[BRIGHT_KEPT]; /* all of these, the brightest first, */
     uint32_t *seen;               /* and what they saw, as bright_seen() has it; */
@@ -112,14 +114,17 @@ static inline const BrightPixel *bright_at(const Maps *maps, uint32_t x, uint32_
 
 static inline float reflectance_at(const Maps *maps, uint32_t x, uint32_t y)
 {
-    float reflectance = bright_reflectance(bright_at(maps, x, y));
-    return reflectance > LEAST_REFLECTED ? reflectance : LEAST_REFLECTED;
+    return maps->looks.reflectance[place_in(maps->area, x, y)];
 }
 
 static inline void tint_at(const Maps *maps, uint32_t x, uint32_t y, float tint[3])
 {
+    const float told = maps->looks.told[place_in(maps->area, x, y)];
     bright_tint(bright_at(maps, x, y), tint);
-    for (int c = 0; c < 3; c++) tint[c] = tint[c] > LEAST_TINT ? tint[c] : LEAST_TINT;
+    for (int c = 0; c < 3; c++) {
+        float own = 1 + told * (tint[c] - 1);
+        tint[c] = own > LEAST_TINT ? own : LEAST_TINT;
+    }
 }
 
 /* A sample on its way. */

@@ -587,6 +587,37 @@ static void what_is_reflected_counts(void **state)
     }
 }
 
+/* Murky water, in which one sample in thirty comes to a dark bottom: pixels in which one did get what all others do, which had none
+ * of it (a fifteenth). */
+static void what_few_say_is_reflected_counts_little(void **state)
+{
+    (void)state;
+    Error error;
+    Films films;
+    double gains[2] = {0};
+    uint32_t pixels[2] = {0};
+    static bool told[LARGE * LARGE];
+    assert_int_equal(film_init(&films.film, LARGE, LARGE, &error), STATUS_OK);
+    assert_int_equal(bright_film_init(&films.bright, false, LARGE, LARGE, &error), STATUS_OK);
+    for (uint32_t at = 0; at < LARGE * LARGE; at++)
+        for (uint32_t i = 0; i < SAMPLES_OF_LARGE; i++) {
+            uint64_t number = (uint64_t)at << 32 | i << 1;
+            float light = hash_to_unit(hash_u64(number)) < 0.02 ? 4 : 0;
+            bool tells = hash_to_unit(hash_u64(number + 1)) < 1 / 30.0;
+            told[at] |= tells;
+            add_reflected(&films, at % LARGE, at / LARGE, (float[]){light, light, light}, 1,
+                          tells ? (Reflected){0.02f, {0.02f, 0.02f, 0.02f}} : (Reflected){.mean = -1});
+        }
+    resolve_large(&films);
+    assert_true(films.way.samples > 0);
+    for (uint32_t at = 0; at < LARGE * LARGE; at++) {
+        gains[told[at]] += (double)films.spread.pixels[5 * at];
+        pixels[told[at]]++;
+    }
+    assert_near(gains[1] / pixels[1] / (gains[0] / pixels[0]), 1, 0.1);
+    end(&films);
+}
+
 /* A wall of red and white squares, on which nothing shines but what some samples find: what comes to a square has its colour,
  * near and far, whichever the sample was found on, and all that goes comes. */
 static void what_comes_gets_the_colour_there(void **state)
@@ -999,6 +1030,7 @@ int main(void)
         cmocka_unit_test(edges_get_as_much),
         cmocka_unit_test(light_is_kept),
         cmocka_unit_test(what_is_reflected_counts),
+        cmocka_unit_test(what_few_say_is_reflected_counts_little),
         cmocka_unit_test(what_comes_gets_the_colour_there),
         cmocka_unit_test(lamps_stay_where_they_are),
         cmocka_unit_test(spots_stay_together),
