@@ -8,20 +8,22 @@
 
 #define GREEN "\033[32m"
 #define PLAIN "\033[0m"
-#define TO_LINE_START "\r"
-#define CLEAR_TO_LINE_END "\033[K"
 
 enum { WIDEST_BAR = 30, NARROWEST_BAR = 8, LINE_SIZE = 256 };
 static const double plain_interval_s = 60;
 
+ProgressForm progress_form(const Options *options, const Talk *talk)
+{
+    if (option_is(options, OPTION_PROGRESS, "json")) return PROGRESS_JSON;
+    if (option_is(options, OPTION_PROGRESS, "plain")) return PROGRESS_PLAIN;
+    if (talk->quiet || option_is(options, OPTION_PROGRESS, "none")) return PROGRESS_NONE;
+    if (talk->json) return PROGRESS_JSON;
+    return terminal_is_capable() ? PROGRESS_BAR : PROGRESS_PLAIN;
+}
+
 void progress_init(Progress *progress, const Options *options, const Talk *talk, const volatile sig_atomic_t *stop)
 {
-    *progress =
-        (Progress){.form = terminal_is_capable() ? PROGRESS_BAR : PROGRESS_PLAIN, .color = talk->color, .stop = stop};
-    if (talk->json) progress->form = PROGRESS_JSON;
-    if (talk->quiet || option_is(options, OPTION_PROGRESS, "none")) progress->form = PROGRESS_NONE;
-    if (option_is(options, OPTION_PROGRESS, "plain")) progress->form = PROGRESS_PLAIN;
-    if (option_is(options, OPTION_PROGRESS, "json")) progress->form = PROGRESS_JSON;
+    *progress = (Progress){.form = progress_form(options, talk), .color = talk->color, .stop = stop};
 }
 
 void progress_begin_frame(Progress *progress, uint32_t frame, uint32_t frames_done)

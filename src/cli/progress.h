@@ -17,6 +17,12 @@ typedef struct Progress {
     const volatile sig_atomic_t *stop;     /* nothing is drawn over what the signal handler says */
 } Progress;
 
+/* How a bar's line is written over. */
+#define TO_LINE_START "\r"
+#define CLEAR_TO_LINE_END "\033[K"
+
+/* By --progress and what else the options say. */
+ProgressForm progress_form(const Options *options, const Talk *talk);
 void progress_init(Progress *progress, const Options *options, const Talk *talk, const volatile sig_atomic_t *stop);
 /* The next frame of an animation; frames_done: those before it. */
 void progress_begin_frame(Progress *progress, uint32_t frame, uint32_t frames_done);

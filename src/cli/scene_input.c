@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "cli/working.h"
 
 /* Of a scene on standard input; longer ones are files. */
 static const size_t largest_text = (size_t)1 << 30;
@@ -94,9 +95,19 @@ typedef struct Stage {
     Buf text;
 } Stage;
 
-static Status run_stage(Stage *stage, void (*task)(void *context))
+/* what: it does, for who waits. */
+static Status run_stage(Stage *stage, const char *what, void (*task)(void *context))
 {
-    TRY(scene_input_guard(stage->input, task, stage, stage->error));
+    Working working;
+    SceneOptions *options = &stage->input->scene_options;
+    working_begin(&working, progress_form(stage->input->options, stage->input->talk), what);
+    options->building = working_at_node;
+    options->building_context = &working;
+    Status guarded = scene_input_guard(stage->input, task, stage, stage->error);
+    options->building = NULL;
+    options->building_context = NULL;
+    working_end(&working);
+    TRY(guarded);
     if (stage->status == STATUS_SCENE && stage->input->diag.n_errors)
         stage->error->text[0] = 0; /* the reports say it */
     return stage->status;
@@ -159,7 +170,7 @@ Status scene_input_build(SceneInput *input, Error *error)
 {
     Stage stage = {.input = input, .error = error};
     TRY(get_ready(input, error));
-    return run_stage(&stage, build);
+    return run_stage(&stage, "reading the scene", build);
 }
 
 static void evaluate(void *context)
@@ -176,7 +187,7 @@ Status scene_input_evaluate(SceneInput *input, EvalResult *result, Error *error)
 {
     Stage stage = {.input = input, .error = error, .result = result};
     TRY(get_ready(input, error));
-    return run_stage(&stage, evaluate);
+    return run_stage(&stage, "reading the scene", evaluate);
 }
 
 static void compile(void *context)
@@ -193,7 +204,7 @@ Status scene_input_compile(SceneInput *input, Pool *pool, Error *error)
     const char *policy = option_text(input->options, OPTION_NESTING, NULL);
     if (policy && !nest_policy_from_text(policy, &stage.policy))
         return fail(error, STATUS_USAGE, "option '--nesting': there is no policy '%s'", policy);
-    TRY(run_stage(&stage, compile));
+    TRY(run_stage(&stage, "finding how objects meet", compile));
     if (input->diag.n_errors == 0) return STATUS_OK;
     error->text[0] = 0;
     return STATUS_SCENE;

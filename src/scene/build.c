@@ -273,6 +273,7 @@ void build_visit(Builder *b, const EvalNode *node, const Affine *parent)
     if (b->status != STATUS_OK) return;
     for (size_t i = 0; i < COUNT_OF(placed); i++) {
         if (strcmp(node->type->name, placed[i].type) != 0) continue;
+        if (b->options->building) b->options->building(b->options->building_context, placed[i].type, node->name);
         Affine to_world = affine_compose(parent, &node->transform);
         uint64_t where = b->where;
         b->where = hash_u64(where + node->identity);

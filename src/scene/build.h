@@ -20,6 +20,9 @@ typedef struct SceneOptions {
     SceneImageLoader load_image;
     void *load_image_context;
     Pool *pool; /* whose threads help with large meshes, or NULL */
+    /* NULL, or who is told what is being built: a type of nodes, and a name or NULL, which last until the call is over */
+    void (*building)(void *context, const char *type, const char *name);
+    void *building_context;
 } SceneOptions;
 
 /* Reads, evaluates, checks and builds. Reports go to diag; STATUS_SCENE when there were errors,

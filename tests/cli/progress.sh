@@ -34,6 +34,18 @@ on_terminal dumb render long.mns -t 1s -o a.exr
 says_not out "$(printf '\033')"
 end
 
+begin "what is being built, once it takes a while"
+cat > slow.mns << 'END'
+meniscus 1.0 unit mm
+camera { from = <0, -5, 2>  to = <0, 0, 0> }
+environment { color = 1 }
+def rough(p) = length(p) - 1 + sum([for (i in 1..26) .002 * noise(p * i)])
+isosurface rock { function = rough  from = vec3(-1.3)  to = vec3(1.3)  cells = 100  surface = surface { albedo = .7 } }
+END
+on_terminal xterm render slow.mns -s 1 --size 8x8 -o a.exr
+says out "building the isosurface 'rock', for 1 s"
+end
+
 begin "colours: on a terminal, not with NO_COLOR, always, never"
 printf 'meniscus 1.0 unit mm\nsphere { radius = }\n' > bad.mns
 on_terminal xterm check bad.mns
