@@ -668,7 +668,9 @@ static Status search_guide(Job *job, GuideStats *stats, Error *error)
                           .progress = report_photons,
                           .context = job};
     if (!state->search) TRY(guide_search_new(&state->search, error));
-    Status status = guide_search_run(state->search, job->world, &wish, job->pool, stats, error);
+    World world = *job->world;
+    world.trial.pairs_from_camera = false; /* which is to change paths, and no guide by what it costs these */
+    Status status = guide_search_run(state->search, &world, &wish, job->pool, stats, error);
     stats->cpu_seconds = clock_cpu_s() - start;
     return status;
 }

@@ -212,7 +212,7 @@ static Lanes follow_fork(Tracer *tracer, PathFork *fork, int index_lane)
     Path *path = &fork->path;
     path->index_lane = index_lane;
     path->again = true;
-    path->color = path->colors[1];
+    path->color = path->probing.guide.color = path->colors[1];
     memset(path->media.ior_of, 0, sizeof path->media.ior_of);
     nest_list_swap(&tracer->list, &tracer->forked);
     if (hit_list_copy(&tracer->hits, &fork->event.hit, 1) &&
