@@ -37,6 +37,9 @@ static const double noise_share = 0.02;
 static const double save_share = 0.01;
 /* Of a time limit, what is left for a picture when photons would take all of it. */
 static const double show_share = 0.2;
+/* After this part of a time limit it is tried how long it takes to finish the picture. Samples that are still to come may make it take
+ * so much longer; and this part of the limit at most is kept for it. */
+static const double finish_tried_after = 0.25, finish_longer = 1.25, finish_share = 0.4;
 
 typedef struct Job {
     const RenderSettings *settings;
@@ -62,6 +65,9 @@ typedef struct Job {
     double planned_at_samples;       /* all pixels' together */
     double adapted_at, adapted_from; /* seconds and samples when the first plan was made */
     double start, last_progress, noise, fraction;
+    double sampling_at;              /* when photons were done */
+    double finish_s;                 /* kept of a time limit to finish the picture; 0: not yet known; */
+    bool finish_spreads;             /* and when that was tried, samples were spread */
     double picture_at, picture_cost; /* when the last one was shown, and how long that took */
     double noise_at, noise_cost;     /* the same of the noise */
     bool *tile_done;                 /* of this pass, */
@@ -82,7 +88,7 @@ static bool asked_to_stop(const Job *job)
 {
     if (is_stopped(job)) return true;
     double limit = job->settings->time_limit_s;
-    return limit > 0 && (job->done > 0 || job->has_lattice) && clock_now_s() - job->start > limit;
+    return limit > 0 && (job->done > 0 || job->has_lattice) && clock_now_s() - job->start > limit - job->finish_s;
 }
 
 static bool asked_to_save(const Job *job)
@@ -103,8 +109,9 @@ static void judge_uniform(const Job *job, double done, RenderProgress *progress)
 {
     double all = job->wish * (double)job->n_pixels, here = done - (double)job->first_samples;
     progress->fraction = done / all;
-    if (!(here > 0) || progress->seconds <= 0.5) return;
-    double left = progress->seconds * (all - done) / here;
+    const double seconds = progress->seconds - (job->sampling_at - job->start);
+    if (!(here > 0) || seconds <= 0.5) return;
+    double left = seconds * (all - done) / here;
     double doubt = 0.05 + 0.25 * (1 - progress->fraction); /* early passes say less of the later ones */
     progress->seconds_left_low = left * (1 - doubt);
     progress->seconds_left_high = left * (1 + doubt);
@@ -144,8 +151,8 @@ static void report_progress(Job *job, double fraction_of_pass)
                                .seconds_left_high = -1};
     (settings->noise > 0 && !last ? judge_adaptive : judge_uniform)(job, done, &progress);
     if (limit > 0) {
-        double left = fmax(limit - progress.seconds, 0);
-        progress.fraction = fmin(fmax(progress.fraction, progress.seconds / limit), 1);
+        double left = fmax(limit - job->finish_s - progress.seconds, 0);
+        progress.fraction = fmin(fmax(progress.fraction, progress.seconds / (limit - job->finish_s)), 1);
         if (progress.seconds_left_low > left) progress.seconds_left_low = left;
         if (progress.seconds_left_high > left || progress.seconds_left_high < 0) progress.seconds_left_high = left;
         if (progress.seconds_left_low < 0) progress.seconds_left_low = 0;
@@ -347,6 +354,21 @@ static Status run_coarse(Job *job, uint32_t step, bool *stopped, Error *error)
     return STATUS_OK;
 }
 
+/* A time limit is to hold for what is made of the samples, too: spreading and denoising. */
+static Status foresee_finish(Job *job, Error *error)
+{
+    const double limit = job->settings->time_limit_s, now = clock_now_s();
+    const bool spreads = job->done >= SPREAD_LEAST_SAMPLES, known = job->finish_s > 0 && job->finish_spreads == spreads;
+    if (!(limit > 0) || known || now - job->start < finish_tried_after * limit) return STATUS_OK;
+    Image image;
+    RenderStats stats = {0};
+    TRY(render_state_resolve(job->state, job->settings->exposure, job->pool, &image, &stats, error));
+    image_clear(&image);
+    job->finish_spreads = spreads;
+    job->finish_s = fmin(finish_longer * (clock_now_s() - now), finish_share * limit);
+    return STATUS_OK;
+}
+
 /* Passes that are the same for all pixels. */
 static Status run_uniform(Job *job, uint32_t samples, bool *stopped, Error *error)
 {
@@ -365,6 +387,7 @@ static Status run_uniform(Job *job, uint32_t samples, bool *stopped, Error *erro
         job->even = job->done >= job->most;
         report_picture(job);
         if (job->done >= NOISE_FLOOR) judge_noise(job);
+        TRY(foresee_finish(job, error));
         report_progress(job, 0);
         if (job->done < job->wish && asked_to_stop(job)) *stopped = true;
     }
@@ -411,6 +434,7 @@ static Status run_adaptive(Job *job, Adapt *adapt, bool *stopped, Error *error)
             TRY(run_pass(job, left < LARGEST_PASS ? left : LARGEST_PASS, stopped, error));
             report_progress(job, 0);
             report_picture(job);
+            TRY(foresee_finish(job, error));
             left = most_wanted(job, adapt->wanted);
             if (asked_to_stop(job)) *stopped = true;
         }
@@ -751,6 +775,7 @@ static Status prepare(Job *job, World *world, RenderStats *stats, Error *error)
 /* The samples of a render: none where the photons for them are still on their way, but for those that are shown. */
 static Status take_samples(Job *job, RenderStats *stats, Error *error)
 {
+    job->sampling_at = clock_now_s();
     bool searching = stats->searching, shows = job->first_samples == 0 && !is_slice(job->settings);
     Status status = searching && !shows ? STATUS_OK : run_passes(job, &stats->stopped, error);
     if (searching) stats->stopped = true;
@@ -780,6 +805,7 @@ Status render_go_on(const CompiledScene *compiled, const RenderSettings *setting
                .pool = pool,
                .n_threads = pool_threads(pool),
                .start = now,
+               .sampling_at = now,
                .saved_at = now};
     if (status == STATUS_OK && settings->aovs & ((AovSet)1 << AOV_UV | (AovSet)1 << AOV_BEHIND_UV))
         status = world_find_mesh_boxes(&world, error);

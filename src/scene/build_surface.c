@@ -229,6 +229,19 @@ static void check_pane(Builder *b, const EvalNode *node, bool thin, bool pane)
     }
 }
 
+/* A coat lies over what is opaque of a thin surface. */
+static void check_coat_of_pane(Builder *b, const EvalNode *node)
+{
+    const EvalProp *transmission = eval_prop(node, "transmission");
+    const bool all_clear = eval_truth(node, "thin") && transmission && !transmission->textured &&
+                           transmission->as.number == 1 && !eval_prop(node, "metal") && !eval_prop(node, "metalness");
+    Diagnostic *report = all_clear ? build_needs(b, node, "coat", "on a pane, all of which is clear") : NULL;
+    if (report)
+        diag_hint(b->diag, report,
+                  "what light loses in a pane is its tint, what it mirrors its ior; part of it is opaque with "
+                  "transmission = .5");
+}
+
 static void check_needs(Builder *b, const EvalNode *node)
 {
     static const char *const of_metal[] = {"albedo", "ior", "diffuse_roughness", "pattern"};
@@ -239,6 +252,7 @@ static void check_needs(Builder *b, const EvalNode *node)
         if (report) diag_hint(b->diag, report, "%s", need->hint);
     }
     if (!thin || !pane) check_pane(b, node, thin, pane);
+    check_coat_of_pane(b, node);
     bool all_metal = eval_prop(node, "metal") && !eval_prop(node, "metalness");
     for (size_t i = 0; all_metal && i < COUNT_OF(of_metal); i++) build_exclude(b, node, "metal", of_metal[i]);
     static const char *const of_grain[] = {"grain", "grain_angle"};

@@ -112,7 +112,8 @@ static bool survives(Path *path)
     float carried =
         path->sought * float_max(lanes_max(path->beta) * 0.25f, lanes_mean(path->beta)) / lanes_mean(path->ratio);
     bool long_way = path->n_counted > LONG_WAY && path->tracer->world->max_bounces == SCENE_BOUNCES_BY_CHANCE;
-    bool no_end = path->bounce > NO_END + path->n_counted;
+    /* a probe's numbers begin beyond that; it ends where it is scattered */
+    bool no_end = path->bounce > NO_END + path->n_counted && !path->probing.is_probe;
     float below = path->tracer->world->trial.roulette_below;
     if (LIKELY(below == 0)) below = ROULETTE_BELOW;
     if (LIKELY(carried >= below && !long_way && !no_end)) return true;
