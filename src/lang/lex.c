@@ -298,7 +298,7 @@ void lexer_report_unit(Lexer *lexer, uint32_t begin, uint32_t end)
         diag_hint(lexer->diag, report, "write: %.*sum", (int)(begin - number), lexer->text + number);
     else if (habit_unit(wrong))
         diag_hint(lexer->diag, report, "write '%s'", habit_unit(wrong));
-    else
+    else if (!habit_is_one_of("kg g mg t lb oz", wrong)) /* of another kind than any that is like it */
         diag_suggest(lexer->diag, report, wrong, names, COUNT_OF(names));
     bool letter = !wrong[1] && !strchr("efEF", wrong[0]); /* 2r, as it is written on paper; 2e, 2f are of other kinds */
     if (!report->hint && letter)

@@ -512,7 +512,13 @@ void parse_apart_unit(Parser *parser, Span number)
         return;
     }
     Diagnostic *report = report_at(parser, token_span(parser), "a unit stands directly behind its number");
-    diag_hint(parser->diag, report, "write: %s%s", quote(parser, number.begin, number.end), unit);
+    uint32_t begin = number.begin; /* 1/2 cm is no 1/2cm */
+    const char *text = parser->lexer.text;
+    while (begin > 0 && strchr("0123456789./ ", text[begin - 1])) begin--;
+    while (text[begin] == ' ') begin++;
+    const bool fraction = memchr(text + begin, '/', number.begin - begin) != NULL;
+    diag_hint(parser->diag, report, fraction ? "write: %s * 1%s" : "write: %s%s",
+              quote(parser, fraction ? begin : number.begin, number.end), unit);
     consume(parser);
 }
 
@@ -536,7 +542,7 @@ bool parse_percent_habit(Parser *parser, const Expr *number)
     switch (lexer_next(&look.lexer).kind) {
     case TOKEN_NAME: {
         TokenKind next = lexer_next(&look.lexer).kind;
-        if (next != TOKEN_ASSIGN && next != TOKEN_NAME) return false;
+        if (next != TOKEN_ASSIGN && next != TOKEN_NAME && next != TOKEN_BRACE_OPEN) return false;
         break;
     }
     case TOKEN_LET:

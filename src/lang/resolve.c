@@ -110,6 +110,8 @@ static void report_unused(Resolver *resolver, const Binding *binding)
     Diagnostic *report = diag_report(resolver->diag, D_UNUSED_NAME, binding->span, "'%s' is never used", name);
     const char *taker = binding->declares ? taker_of(resolver->schema, binding->declares) : NULL;
     if (taker) diag_hint(resolver->diag, report, "what is to be of it says so: %s = %s", taker, name);
+    if (binding->prototype)
+        diag_hint(resolver->diag, report, "behind 'let' it is a prototype; to place it write: %s { }", name);
     if (!outer || !outer->has_span || outer->kind != BINDING_SLOT || outer->span.source != binding->span.source) return;
     diag_hint(resolver->diag, report,
               "to change the '%s' outside of this block write: var %s = ... there, %s := ... here", name, name, name);
@@ -202,7 +204,7 @@ bool note_later_declaration(Resolver *resolver, Diagnostic *report, const Symbol
             Symbol *declared = declared_by(stmt, &span);
             if (declared != symbol) continue;
             declared->sought = true;
-            diag_note(resolver->diag, report, span, "it is declared only here");
+            diag_note(resolver->diag, report, span, "it is declared only here: names are known from there on");
             return true;
         }
     return false;
@@ -269,6 +271,9 @@ static void resolve_bind(Resolver *resolver, Stmt *stmt)
     binding->constant = stmt->kind == STMT_BIND && !stmt->as.bind.variable;
     binding->param = stmt->kind == STMT_PARAM;
     binding->warns = warns_here(resolver, binding->param);
+    const Expr *value = stmt->as.bind.value;
+    const NodeType *type = value && value->kind == EXPR_NODE ? value->as.node->type : NULL;
+    binding->prototype = type && type->flags & NODE_PLACED;
     stmt->as.bind.at_top = !is_within(resolver);
 }
 

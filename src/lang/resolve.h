@@ -26,6 +26,7 @@ struct Binding {
     Def *def;
     File *module;
     const NodeType *declares; /* as a NodeExpr does */
+    bool prototype;           /* of what is placed, by let */
     const NodeExpr *defaults; /* of a type's defaults; else NULL */
     const File *from;         /* that a use without a name brought it from; NULL: declared here */
     Stmt *import;             /* that brought it: by its name, or one of its names; NULL: declared here */

@@ -424,6 +424,10 @@ static bool are_bytes(const double *numbers, size_t n)
 static void hint_bytes(const Check *check, const double *numbers, size_t n, Diagnostic *report)
 {
     if (!is_color_kind(check->type->kind) || !are_bytes(numbers, n)) return;
+    if (numbers[0] == numbers[1] && numbers[1] == numbers[2] && numbers[0] < 8) { /* albedo = 2 */
+        diag_hint(check->evaluator->diag, report, "it is a part of the light; 1 is all of it");
+        return;
+    }
     diag_hint(check->evaluator->diag, report, "of a screen's values from 0 to 255 write: #%02x%02x%02x",
               (unsigned)numbers[0], (unsigned)numbers[1], (unsigned)numbers[2]);
 }

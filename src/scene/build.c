@@ -392,7 +392,7 @@ static void check_whole(Builder *b)
     bool distant = scene->environment != NULL, shines = false;
     for (uint32_t i = 0; i < scene->n_lights; i++) {
         distant = distant || scene->lights[i].kind == LIGHT_DISTANT;
-        shines = shines || scene->lights[i].kind != LIGHT_PORTAL;
+        shines = shines || (scene->lights[i].kind != LIGHT_PORTAL && !spectrum_is_zero(&scene->lights[i].radiance));
     }
     const bool lit = shines || (scene->environment && !environment_is_black(scene->environment));
     if (!scene->n_objects && !scene->n_lights && !scene->environment)
