@@ -542,7 +542,7 @@ bool parse_percent_habit(Parser *parser, const Expr *number)
     switch (lexer_next(&look.lexer).kind) {
     case TOKEN_NAME: {
         TokenKind next = lexer_next(&look.lexer).kind;
-        if (next != TOKEN_ASSIGN && next != TOKEN_NAME && next != TOKEN_BRACE_OPEN) return false;
+        if (next != TOKEN_ASSIGN && next != TOKEN_NAME) return false;
         break;
     }
     case TOKEN_LET:
