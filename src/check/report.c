@@ -172,6 +172,12 @@ ReportVerdict report_verdict(const CompiledScene *compiled, const HullPair *pair
 
 /* ---- the text: media and hulls ---- */
 
+/* Of gases, by which light is bent by how much they differ from 1, with more digits. */
+static void add_index(Buf *row, double index)
+{
+    buf_format(row, "index %.*g", fabs(index - 1) < 0.01 ? 7 : 4, index);
+}
+
 static void print_medium(const Scene *scene, uint32_t i, Buf *row)
 {
     const SceneMedium *medium = &scene->media[i];
@@ -179,7 +185,7 @@ static void print_medium(const Scene *scene, uint32_t i, Buf *row)
     if (medium->mixes)
         buf_add(&row[1], "mixes");
     else
-        buf_format(&row[1], "index %.4g", (double)spectrum_at_one(&medium->ior, SCENE_INDEX_NM));
+        add_index(&row[1], (double)spectrum_at_one(&medium->ior, SCENE_INDEX_NM));
     if (medium->disperses)
         buf_format(&row[2], "%.4g .. %.4g, 700 to 400 nm", (double)spectrum_at_one(&medium->ior, 700),
                    (double)spectrum_at_one(&medium->ior, 400));

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "cli/scene_input.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -146,6 +147,16 @@ static Status check_folders(const Options *options, Error *error)
     return fail(error, STATUS_INPUT, "option '--confine': there is no folder '%s'", confine);
 }
 
+/* A scene by its name without the ending. */
+static Status check_ending(const char *path, Error *error)
+{
+    char scene[4096];
+    if (file_exists(path) || (size_t)snprintf(scene, sizeof scene, "%s.mns", path) >= sizeof scene ||
+        !file_exists(scene))
+        return STATUS_OK; /* that it is not there is told of by who reads it */
+    return fail(error, STATUS_INPUT, "cannot read '%s': there is no such file, but '%s'", path, scene);
+}
+
 /* What stands before any look at the scene: which moment, and the text where it comes from standard input. */
 static Status get_ready(SceneInput *input, Error *error)
 {
@@ -153,7 +164,8 @@ static Status get_ready(SceneInput *input, Error *error)
     /* a name that is wrong is told at once, not when a picture first needs the configuration */
     if (option_given(input->options, OPTION_OCIO)) TRY(color_source_open(&input->color, error));
     if (!input->scene_options.moment.animation) TRY(frames_moment(input->options, &input->scene_options.moment, error));
-    if (input->text || strcmp(input->path, "-") != 0) return STATUS_OK;
+    if (strcmp(input->path, "-") != 0) return check_ending(input->path, error);
+    if (input->text) return STATUS_OK;
     return file_read("-", largest_text, &input->text, &input->text_length, error);
 }
 

@@ -6,6 +6,10 @@ begin "a missing scene: status 4"
 run render missing.mns
 exits 4
 says err "cannot read 'missing.mns': No such file or directory"
+small_scene
+run render small -o a.exr
+exits 4
+says err "cannot read 'small': there is no such file, but 'small.mns'"
 end
 
 begin "a picture, and a text in UTF-16, in place of a scene: one message"
