@@ -177,6 +177,44 @@ static void a_dot_makes_no_patch(void **state)
     end(&films);
 }
 
+/* By how much a pixel differs from the mean of the four beside it: 1 where a colour has as much again. */
+static double grain_at(const Image *image, uint32_t x, uint32_t y)
+{
+    double most = 0;
+    for (int k = 0; k < 3; k++) {
+        double beside = ((double)image_at(image, x - 1, y)[k] + (double)image_at(image, x + 1, y)[k] +
+                         (double)image_at(image, x, y - 1)[k] + (double)image_at(image, x, y + 1)[k]) /
+                        4;
+        most = fmax(most, fabs((double)image_at(image, x, y)[k] / beside - 1));
+    }
+    return most;
+}
+
+/* Some coloured glints, which lose light as they look alike: it does not come back as grain on all that is around. */
+static void glints_leave_no_grain(void **state)
+{
+    (void)state;
+    static const uint32_t glints[][2] = {{34, 18}, {36, 21}, {38, 17}, {39, 22}, {33, 22}, {37, 19}};
+    Films films;
+    double sum = 0, n = 0;
+    fill(&films, flat, 16, 1);
+    for (size_t i = 0; i < COUNT_OF(glints); i++)
+        (void)film_add(&films.film, glints[i][0], glints[i][1], (float[]){30, 3, 20}, 1);
+    run(&films, whole);
+    for (uint32_t y = 2; y + 2 < HEIGHT; y++)
+        for (uint32_t x = 24; x < 49; x++) {
+            bool beside = false;
+            for (size_t i = 0; i < COUNT_OF(glints); i++)
+                beside = beside || hypot((double)x - glints[i][0], (double)y - glints[i][1]) < 3;
+            if (beside) continue;
+            sum += grain_at(&films.image, x, y);
+            n++;
+        }
+    printf("    grain around glints: %.4f\n", sum / n);
+    assert_true(sum / n < 0.02);
+    end(&films);
+}
+
 /* Glints that one pixel in many has found: none of their light is lost, though there are fewer of them. */
 static void glints_keep_their_light(void **state)
 {
@@ -367,15 +405,11 @@ static void faint_things_behind_glass_stay(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_flat_picture_becomes_smooth),
-        cmocka_unit_test(a_dot_makes_no_patch),
-        cmocka_unit_test(glints_keep_their_light),
-        cmocka_unit_test(edges_and_lines_stay),
-        cmocka_unit_test(what_has_no_noise_stays),
-        cmocka_unit_test(only_the_area_is_changed),
-        cmocka_unit_test(what_is_unlike_is_kept_apart),
-        cmocka_unit_test(whatever_a_film_holds_is_good),
-        cmocka_unit_test(rendered),
+        cmocka_unit_test(a_flat_picture_becomes_smooth),  cmocka_unit_test(a_dot_makes_no_patch),
+        cmocka_unit_test(glints_leave_no_grain),          cmocka_unit_test(glints_keep_their_light),
+        cmocka_unit_test(edges_and_lines_stay),           cmocka_unit_test(what_has_no_noise_stays),
+        cmocka_unit_test(only_the_area_is_changed),       cmocka_unit_test(what_is_unlike_is_kept_apart),
+        cmocka_unit_test(whatever_a_film_holds_is_good),  cmocka_unit_test(rendered),
         cmocka_unit_test(faint_things_behind_glass_stay),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
