@@ -913,6 +913,56 @@ static void hues(void **state)
     lit_clear(&lit);
 }
 
+/* How large a convex mirror shows the sun along one axis, over how large it is, from some distance: its image is at the focus, that
+ * far behind the mirror. */
+static double mirrored_part(double focus, double distance)
+{
+    return focus / (focus + distance);
+}
+
+/* A ball shows the sun as small as convex mirrors do, and photons that it has mirrored on to a wall, which stands askew, say so: the
+ * area of their spreads is that of the image. */
+static void images(void **state)
+{
+    (void)state;
+    enum { N = 60000, LOOKED = 300 };
+    static uint32_t chosen[N];
+    const double radius = 30, sun = .25 * pi / 180 / 2; /* standard deviation along each axis */
+    static const Hopes none;
+    Lit lit;
+    Error error;
+    uint64_t rays = 0;
+    lit_make(
+        &lit, FIXTURE_MEDIA
+        "sphere { radius = 30  interior = glass }\n"
+        "box { from = <180, -200, -200>  to = <181, 200, 200>  surface = surface { albedo = .5 }  rotate(z, 25) }\n"
+        "light { shape = \"distant\"  from = <0, 1, 0>  to = <0, 0, 0>  angle = .5deg  power = 1 }\n"
+        "camera { from = <0, 10, 300>  to = <0, 0, 0> }\n");
+    lit.source.hopes = &none; /* so that many are mirrored */
+    Photon *photons = calloc(N, sizeof *photons);
+    assert_int_equal(photons_trace(&lit.source, 0, N, NULL, photons, NULL, &rays, &error), STATUS_OK);
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < N; i++)
+        if (photons[i].flux > 0 && photons[i].turns == 1 && n < LOOKED) chosen[n++] = i;
+    assert_int_equal(n, LOOKED);
+    assert_int_equal(photons_look_around(&lit.source, photons, chosen, n, NULL, &rays, &error), STATUS_OK);
+    double sum = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        const Photon *photon = &photons[chosen[i]];
+        Vec3 place = vec3_from_f(photon->position), from = vec3_from_f(photon->from);
+        double along = -vec3_dot(place, from), beside = vec3_dot(place, place) - along * along;
+        double cosine = sqrt(fmax(1 - beside / (radius * radius), 0)), distance = along - radius * cosine;
+        double image =
+            sun * sun * mirrored_part(radius * cosine / 2, distance) * mirrored_part(radius / (2 * cosine), distance);
+        const float *spread = photon->spread;
+        sum += sqrt(fmax((double)(spread[0] * spread[2] - spread[1] * spread[1]), 0)) / image / n;
+    }
+    printf("    the sun in a ball: its image spreads over %.3g of its area\n", sum);
+    assert_near(sum, 1, .15);
+    free(photons);
+    lit_clear(&lit);
+}
+
 /* Of a lamp that shines into a cone, all of which comes to the glass, what starts is what it sends: each place of it to each
  * direction alike. */
 static void beams(void **state)
@@ -999,6 +1049,7 @@ int main(void)
         cmocka_unit_test(hues),       cmocka_unit_test(beams),         cmocka_unit_test(walks),
         cmocka_unit_test(tiles),      cmocka_unit_test(gaps),          cmocka_unit_test(apart),
         cmocka_unit_test(far_away),   cmocka_unit_test(judged_within), cmocka_unit_test(without_a_bottom),
+        cmocka_unit_test(images),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
