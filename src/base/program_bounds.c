@@ -11,8 +11,6 @@
 
 typedef ProgramRange Range;
 
-enum { MOST_NOISE_POINTS = 64 }; /* more than these take as long as the points that they may spare */
-
 static const double margin = 1e-14; /* some 50 units in the last place */
 
 static const Range anything = {-HUGE_VAL, HUGE_VAL}, truth = {0, 1};
@@ -208,32 +206,18 @@ static Range smooth(const ProgramStep *step, Range a, Range b, Range c)
 
 /* ---- noise ---- */
 
-/* Within a cell noise is linear in each of the weights, and they rise: its extremes are at the corners of the box and at the
- * borders of the cells in it. */
-static Range noise(const ProgramStep *step, const Range *operands, unsigned n)
+static Range noise(const Range *operands, unsigned n)
 {
-    Range range = {1, -1};
-    double counts[3] = {0, 0, 0}, points = 1;
+    const Range all = {-1, 1};
+    Range range;
+    double low[3], high[3];
     for (unsigned i = 0; i < n; i++) {
         if (!(largest(operands[i]) < NOISE_LARGEST_COORDINATE)) return anything;
-        counts[i] = floor(operands[i].high) - floor(operands[i].low) + 1;
-        points *= counts[i] + 1;
+        low[i] = operands[i].low;
+        high[i] = operands[i].high;
     }
-    if (points > MOST_NOISE_POINTS) return (Range){-1 - margin, 1 + margin};
-    double p[3] = {0, 0, 0};
-    for (double i = 0; i <= counts[0]; i++)
-        for (double j = 0; j <= counts[1]; j++)
-            for (double k = 0; k <= counts[2]; k++) {
-                const double at[3] = {i, j, k};
-                for (unsigned axis = 0; axis < n; axis++)
-                    p[axis] = at[axis] == 0             ? operands[axis].low
-                              : at[axis] < counts[axis] ? floor(operands[axis].low) + at[axis]
-                                                        : operands[axis].high;
-                double value = value_at(step, p[0], p[1], p[2]);
-                range.low = fmin(range.low, value);
-                range.high = fmax(range.high, value);
-            }
-    return widened(range, margin);
+    if (!noise_bounds(low, high, n, &range.low, &range.high)) return all;
+    return common(widened(range, 10 * margin), all);
 }
 
 /* ---- functions of one number ---- */
@@ -288,9 +272,9 @@ static Range of_numbers(const ProgramStep *step, const Range operands[3])
     case PROGRAM_MIX: return mix(step, a, b, c);
     case PROGRAM_SMOOTH: return smooth(step, a, b, c);
     case PROGRAM_UNARY: return unary(step, a);
-    case PROGRAM_NOISE1: return noise(step, operands, 1);
-    case PROGRAM_NOISE2: return noise(step, operands, 2);
-    case PROGRAM_NOISE3: return noise(step, operands, 3);
+    case PROGRAM_NOISE1: return noise(operands, 1);
+    case PROGRAM_NOISE2: return noise(operands, 2);
+    case PROGRAM_NOISE3: return noise(operands, 3);
     default: return anything;
     }
 }

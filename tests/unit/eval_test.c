@@ -362,6 +362,11 @@ static uint64_t bits_of(double x)
     return bits;
 }
 
+static double noise_at(uint64_t whole)
+{
+    return 2 * hash_to_unit(hash_u64(0x6e6f697365U ^ whole)) - 1;
+}
+
 static void test_rnd_and_noise(void **state)
 {
     Run run;
@@ -377,10 +382,10 @@ static void test_rnd_and_noise(void **state)
     assert_true(random.x == hash_to_unit(h));
     h = hash_u64(h ^ bits_of(0));
     assert_true(random.y == hash_to_unit(h) && random.z == hash_to_unit(h));
-    double at_4 = 2 * hash_to_unit(hash_u64(0x6e6f697365U ^ 4)) - 1,
-           at_5 = 2 * hash_to_unit(hash_u64(0x6e6f697365U ^ 5)) - 1;
-    assert_true(noise.x == at_4);
-    assert_true(fabs(noise.y - (at_4 + at_5) / 2) < 1e-15);
+    double beyond = (noise_at(4) - .8) / .2;
+    assert_true(beyond > 0);
+    assert_true(noise.x == .8 + .2 * (beyond / sqrt(1 + beyond * beyond)));
+    assert_true(fabs(noise.y - (9 * (noise_at(4) + noise_at(5)) - noise_at(3) - noise_at(6)) / 16) < 1e-15);
     assert_true(fabs(noise.z) < 1);
     assert_string_equal(buf_text(&run.result.printed), "truetruetruetrue\n");
     run_close(&run);

@@ -119,8 +119,6 @@ static void noise_is_as_specified(void **state)
     assert_near(sqrt(squares / N), 0.27, 0.005);
     /* it is the same everywhere, for ever */
     assert_near(noise_gradient(vec3(0.5, 0.25, 0.125), 0), specified_noise(vec3(0.5, 0.25, 0.125), 0, 0), 0);
-    assert_near(noise_value((double[]){0.5}, 1), (noise_value((double[]){0}, 1) + noise_value((double[]){1}, 1)) / 2,
-                1e-15);
 }
 
 static double specified_value_at(const double *whole, unsigned n)
@@ -130,17 +128,34 @@ static double specified_value_at(const double *whole, unsigned n)
     return 2 * hash_to_unit(h) - 1;
 }
 
-/* Mixed along the last axis by what is found for both of its whole numbers; x is mixed first. */
-static double specified_value(const double *point, double *whole, unsigned n, unsigned axes)
+static double near_weight(double t, double s)
+{
+    return s * ((1 + t) + t * t * t * (3 * t - 4.5));
+}
+
+static double far_weight(double t, double s)
+{
+    return t * s * (s * s) * (-.5 - t);
+}
+
+/* Mixed along the last axis by what is found for four of its whole numbers; x is mixed first. */
+static double specified_mix(const double *point, double *whole, unsigned n, unsigned axes)
 {
     if (axes == 0) return specified_value_at(whole, n);
     unsigned axis = axes - 1;
-    double low = floor(point[axis]), t = point[axis] - low;
-    whole[axis] = low;
-    double a = specified_value(point, whole, n, axis);
-    whole[axis] = low + 1;
-    double b = specified_value(point, whole, n, axis);
-    return a + (b - a) * (t * t * t * (t * (t * 6 - 15) + 10));
+    double low = floor(point[axis]), t = point[axis] - low, s = 1 - t, v[4];
+    for (int i = 0; i < 4; i++) {
+        whole[axis] = low + (i - 1);
+        v[i] = specified_mix(point, whole, n, axis);
+    }
+    return (far_weight(t, s) * v[0] + far_weight(s, t) * v[3]) + (near_weight(t, s) * v[1] + near_weight(s, t) * v[2]);
+}
+
+static double specified_value(const double *point, unsigned n)
+{
+    double whole[3], v = specified_mix(point, whole, n, n), x = (fabs(v) - .8) / .2;
+    double drawn_in = .8 + .2 * (x / sqrt(1 + x * x));
+    return x <= 0 ? v : v < 0 ? -drawn_in : drawn_in;
 }
 
 /* However places follow one another: near ones, ones that lie far apart, in cells of the same place in what is kept, too. */
@@ -154,10 +169,106 @@ static void values_are_as_specified(void **state)
         if (i % 5 == 0) p.x = floor(p.x);
         if (i % 7 == 0) p = vec3(-0.0, 256 * dice_below(&dice, 9) - 1024.0, 0.5 - (i & 1));
         for (unsigned n = 1; n <= 3; n++) {
-            double point[3] = {p.x, p.y, p.z}, whole[3];
-            assert_near(noise_value(point, n), specified_value(point, whole, n, n), 0);
+            double point[3] = {p.x, p.y, p.z};
+            assert_near(noise_value(point, n), specified_value(point, n), 0);
         }
     }
+}
+
+/* The weights are those of the quintic with central differences, as they are written in powers. */
+static void weights_are_those_of_a_quintic(void **state)
+{
+    (void)state;
+    for (int i = 0; i <= 1000; i++) {
+        double t = i / 1000.0, s = 1 - t, t2 = t * t, t3 = t2 * t, t4 = t3 * t, t5 = t4 * t;
+        assert_near(far_weight(t, s), -t / 2 + t2 / 2 + 3 * t3 / 2 - 5 * t4 / 2 + t5, 1e-15);
+        assert_near(near_weight(t, s), 1 - t2 - 9 * t3 / 2 + 15 * t4 / 2 - 3 * t5, 4e-15);
+        assert_near(far_weight(t, s) + near_weight(t, s) + near_weight(s, t) + far_weight(s, t), 1, 1e-15);
+    }
+}
+
+/* The first and the second derivative along an axis of what lies on one side of a point. */
+static void derivatives(const double *point, unsigned n, unsigned axis, double step, double derivative[2])
+{
+    double f[4], at[3];
+    memcpy(at, point, sizeof at);
+    for (int i = 0; i < 4; i++) {
+        at[axis] = point[axis] + i * step;
+        f[i] = noise_value(at, n);
+    }
+    derivative[0] = (-11 * f[0] + 18 * f[1] - 9 * f[2] + 2 * f[3]) / (6 * step);
+    derivative[1] = (2 * f[0] - 5 * f[1] + 4 * f[2] - f[3]) / (step * step);
+}
+
+/* At whole numbers, too, both derivatives are the same on both sides; and there the slopes are not 0, as of a fade. */
+static void values_have_no_creases(void **state)
+{
+    (void)state;
+    enum { N = 20000 };
+    Dice dice = {12};
+    double squares[3] = {0}, slopes[3] = {0};
+    for (int i = 0; i < N; i++)
+        for (unsigned n = 1; n <= 3; n++) {
+            unsigned axis = (unsigned)dice_below(&dice, (int)n);
+            Vec3 p = dice_point(&dice, 1000);
+            double point[3] = {p.x, p.y, p.z}, before[2], after[2], value = noise_value(point, n);
+            squares[n - 1] += value * value / N;
+            assert_true(fabs(value) <= 1);
+            point[axis] = round(point[axis]);
+            derivatives(point, n, axis, -1e-4, before);
+            derivatives(point, n, axis, 1e-4, after);
+            assert_near(before[0], after[0], 1e-6);
+            assert_near(before[1], after[1], 1e-2);
+            slopes[n - 1] += after[0] * after[0] / N;
+        }
+    static const double rms[3] = {0.517, 0.477, 0.436}, rms_slope[3] = {0.385, 0.364, 0.337};
+    for (int k = 0; k < 3; k++) {
+        assert_near(sqrt(squares[k]), rms[k], 0.01);
+        assert_near(sqrt(slopes[k]), rms_slope[k], 0.01);
+    }
+}
+
+static void random_box(Dice *dice, double low[3], double high[3])
+{
+    Vec3 p = dice_point(dice, dice_below(dice, 2) ? 3 : 1e6);
+    const double at[3] = {p.x, p.y, p.z}, size = pow(10, -4 * dice_unit(dice)) * 2;
+    for (int i = 0; i < 3; i++) {
+        low[i] = dice_below(dice, 3) ? at[i] : floor(at[i]);
+        high[i] = low[i] + size * dice_below(dice, 4) / 3;
+        if (dice_below(dice, 4) == 0) high[i] = ceil(high[i]);
+    }
+}
+
+/* They are never too narrow, and close to what there is where a box is small. */
+static void bounds_of_values(void **state)
+{
+    (void)state;
+    Dice dice = {13};
+    double excess = 0, n_small = 0;
+    int n_known = 0;
+    for (int i = 0; i < 20000; i++) {
+        unsigned n = 1 + (unsigned)i % 3;
+        double low[3], high[3], point[3], least, most, found[2] = {1, -1}, size = 0;
+        random_box(&dice, low, high);
+        if (!noise_bounds(low, high, n, &least, &most)) continue;
+        n_known++;
+        for (int k = 0; k < 64; k++) {
+            for (unsigned axis = 0; axis < n; axis++) {
+                size = fmax(size, high[axis] - low[axis]);
+                double part = dice_below(&dice, 2) ? dice_below(&dice, 2) : dice_unit(&dice);
+                point[axis] = fmin(low[axis] + part * (high[axis] - low[axis]), high[axis]);
+            }
+            double value = noise_value(point, n);
+            if (!(value >= least - 1e-13 && value <= most + 1e-13))
+                fail_msg("%.17g, bounds %.17g .. %.17g", value, least, most);
+            found[0] = fmin(found[0], value);
+            found[1] = fmax(found[1], value);
+        }
+        if (size > 0.03 || size == 0) continue;
+        excess += ((most - least) - (found[1] - found[0])) / size;
+        n_small++;
+    }
+    assert_true(n_known > 10000 && n_small > 1000 && excess / n_small < 0.01);
 }
 
 /* What is continuous does not jump. */
@@ -426,6 +537,9 @@ int main(void)
         cmocka_unit_test(patterns_are_within_0_and_1),
         cmocka_unit_test(noise_is_as_specified),
         cmocka_unit_test(values_are_as_specified),
+        cmocka_unit_test(weights_are_those_of_a_quintic),
+        cmocka_unit_test(values_have_no_creases),
+        cmocka_unit_test(bounds_of_values),
         cmocka_unit_test(smooth_patterns_are_continuous),
         cmocka_unit_test(patterns_repeat),
         cmocka_unit_test(parts_are_as_they_should),
