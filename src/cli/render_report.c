@@ -192,20 +192,31 @@ static void remark_noise(const RenderRun *run)
     buf_clear(&noise);
 }
 
+static bool disperses(const Scene *scene)
+{
+    for (uint32_t i = 0; i < scene->n_media; i++)
+        if (scene->media[i].disperses) return true;
+    return false;
+}
+
 /* Of what is smooth, and may be a guess. Not of frames behind the first, which say the same. */
 static void remark_spread(const RenderRun *run)
 {
-    const double much = 0.15;
+    const double much = 0.15, most = 0.5;
     const RenderStats *stats = &run->stats;
     if (run->n_rendered || stats->stopped || !(stats->spread_light > much)) return;
     Buf light = {0};
     add_digits(&light, 100 * stats->spread_light, 2);
-    talk_remark(run->talk,
-                "%s %% of the light came by few samples, and was spread over what is around them: how bright that is, "
-                "and of which colour, is a guess so far; more samples ('--spp') make it sure%s, and '--fireflies keep' "
-                "shows what was found",
-                buf_text(&light),
-                run->settings.caustics == CAUSTICS_OFF ? ", '--caustics on' looks where such light is" : "");
+    talk_remark(
+        run->talk,
+        "%s %% of the light came by few samples, and was spread over what is around them: how bright that is, "
+        "and of which colour, is a guess so far; more samples ('--spp') make it sure%s, and '--fireflies keep' "
+        "shows what was found%s",
+        buf_text(&light), run->settings.caustics == CAUSTICS_OFF ? ", '--caustics on' looks where such light is" : "",
+        stats->spread_one_colored > most && disperses(run->input.scene)
+            ? "; most of it was of single colours, as glass bends each another way: where no rainbows are to be "
+              "seen, '--set render.dispersion=false' is less noisy"
+            : "");
     buf_clear(&light);
 }
 

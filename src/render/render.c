@@ -740,6 +740,7 @@ static Status resolve(const RenderState *state, const Spread *spread, Exposure e
     stats->saturated_samples = state->saturated_samples;
     stats->spread_samples = spread->samples;
     stats->spread_light = spread->light;
+    stats->spread_one_colored = spread->one_colored;
     stats->noise = adapt_noise(&state->film, moved, state->crop, exposure, pool);
     TRY(aov_film_resolve(&state->aovs, &state->film, moved, pool, image, error));
     Status status = finish(state, stats->samples > 0, pool, image, error);

@@ -66,7 +66,8 @@ typedef struct RenderStats {
     uint64_t bad_samples;       /* not finite; left out */
     uint64_t saturated_samples; /* brighter than the film can hold; held at its limit */
     uint64_t spread_samples;    /* that stood alone and were given to what is around them, */
-    double spread_light;        /* and the part of the picture's light that they brought */
+    double spread_light;        /* and the part of the picture's light that they brought, */
+    double spread_one_colored;  /* and of that, what came by samples of one colour of many */
     double seconds, cpu_seconds;
     uint32_t samples;      /* per pixel, done everywhere: the least that a pixel has */
     uint32_t most_samples; /* and the most */

@@ -203,6 +203,17 @@ static void find_taken(const Maps *maps, uint32_t y, const Way *way, double rgb[
     for (int c = 0; c < 3; c++) rgb[c] = part * (double)pixel->rgb[way->kept][c];
 }
 
+/* The channel that has nearly all of a sample's light; 3: none has. */
+static int only_channel(const double rgb[3])
+{
+    const double little = 0.1;
+    int most = rgb[1] > rgb[0] ? 1 : 0;
+    if (rgb[2] > rgb[most]) most = 2;
+    for (int c = 0; c < 3; c++)
+        if (c != most && rgb[c] < little * rgb[most]) return most;
+    return 3;
+}
+
 /* What of each sample goes, as what fills a hole stays; and which do not go at all. */
 static void settle_row(void *context, uint32_t index, unsigned worker)
 {
@@ -223,6 +234,8 @@ static void settle_row(void *context, uint32_t index, unsigned worker)
         find_taken(maps, maps->area[1] + index, &way, taken);
         for (int c = 0; c < 3; c++) row->taken[c] += taken[c];
         row->moved += way.part * way.light;
+        int only = only_channel(taken);
+        if (only < 3) row->one_colored[only] += way.part * way.light;
         if (!way.far && way.radius > row->farthest) row->farthest = way.radius;
     }
     row->n_going = n;
@@ -424,6 +437,18 @@ static bool find_ways(Maps *maps, FarSamples *far)
     return true;
 }
 
+/* The light of samples of one colour, where others are of another: what is red in all samples is a red thing. */
+static double one_colored_of(const Maps *maps)
+{
+    const double most = 0.8;
+    double sums[3] = {0}, largest = 0;
+    for (uint32_t y = 0; y < maps->height; y++)
+        for (int c = 0; c < 3; c++) sums[c] += maps->rows[y].one_colored[c];
+    for (int c = 0; c < 3; c++) largest = fmax(largest, sums[c]);
+    double all = sums[0] + sums[1] + sums[2];
+    return largest <= most * all ? all : 0;
+}
+
 static bool go(Maps *maps, const FarSamples *far, Spread *spread)
 {
     double light = 0, moved = 0;
@@ -434,6 +459,7 @@ static bool go(Maps *maps, const FarSamples *far, Spread *spread)
         moved += row->moved;
     }
     spread->light = light > 0 ? moved / light : 0;
+    spread->one_colored = moved > 0 ? one_colored_of(maps) / moved : 0;
     if (!spread->samples) return true;
     pool_run(maps->pool, (maps->height + BAND - 1) / BAND, gather_band, maps);
     if (!spread_far_give(maps, far)) return false;

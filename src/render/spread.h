@@ -48,7 +48,8 @@ typedef struct Spread {
     uint32_t area[4];
     SpreadPixel *pixels; /* of the area, by rows */
     uint64_t samples;    /* that stood alone and were shared out */
-    double light;        /* the part of the picture's light that they bring */
+    double light;        /* the part of the picture's light that they bring, */
+    double one_colored;  /* and of that, what came by one colour of many, as dispersion leaves it */
 } Spread;
 
 static inline const SpreadPixel *spread_pixel(const Spread *spread, uint32_t x, uint32_t y)

@@ -75,7 +75,8 @@ typedef struct Row {
     size_t n, capacity;
     int farthest;              /* of the radii of those that do not go by cells */
     double light;              /* of the picture, in sum, */
-    double moved;              /* and of these samples */
+    double moved;              /* of these samples; */
+    double one_colored[3];     /* and of those of one colour, by the channel that has most */
     double taken[3], given[3]; /* in each channel what goes, and what comes; */
     double given_size[3];      /* and the sum of the sizes of what comes */
     size_t n_going;            /* of them */

@@ -618,6 +618,31 @@ static void what_few_say_is_reflected_counts_little(void **state)
     end(&films);
 }
 
+/* Samples of single colours of a rainbow are told of, white ones are not, and what is red in all of them is a red thing. */
+static void single_colours_are_told_of(void **state)
+{
+    (void)state;
+    static const double told[3] = {1, 0, 0};
+    for (int kind = 0; kind < 3; kind++) {
+        Error error;
+        Films films;
+        assert_int_equal(film_init(&films.film, LARGE, LARGE, &error), STATUS_OK);
+        assert_int_equal(bright_film_init(&films.bright, false, LARGE, LARGE, &error), STATUS_OK);
+        for (uint32_t at = 0; at < LARGE * LARGE; at++)
+            for (uint32_t i = 0; i < SAMPLES_OF_LARGE; i++) {
+                uint64_t number = (uint64_t)at << 32 | i << 1;
+                float rgb[3] = {0, 0, 0}, light = hash_to_unit(hash_u64(number)) < 0.02 ? 4 : 0;
+                for (uint64_t c = 0; c < 3; c++)
+                    if (kind == 1 || c == (kind == 0 ? hash_u64(number + 1) % 3 : 0)) rgb[c] = light;
+                add(&films, at % LARGE, at / LARGE, rgb, 1);
+            }
+        resolve_large(&films);
+        assert_true(films.way.samples > 0);
+        assert_near(films.way.one_colored, told[kind], 1e-6);
+        end(&films);
+    }
+}
+
 /* A wall of red and white squares, on which nothing shines but what some samples find: what comes to a square has its colour,
  * near and far, whichever the sample was found on, and all that goes comes. */
 static void what_comes_gets_the_colour_there(void **state)
@@ -1031,6 +1056,7 @@ int main(void)
         cmocka_unit_test(light_is_kept),
         cmocka_unit_test(what_is_reflected_counts),
         cmocka_unit_test(what_few_say_is_reflected_counts_little),
+        cmocka_unit_test(single_colours_are_told_of),
         cmocka_unit_test(what_comes_gets_the_colour_there),
         cmocka_unit_test(lamps_stay_where_they_are),
         cmocka_unit_test(spots_stay_together),
