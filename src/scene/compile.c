@@ -163,21 +163,48 @@ static const char *hull_name(const CompiledScene *compiled, uint32_t hull)
     return compiled->scene->objects[compiled->object_of_hull[hull]].name;
 }
 
-/* The answers that run in a circle, as notes under the warning. pairs are of hulls still. */
-static void note_circle(const CompiledScene *compiled, uint32_t circle, Diag *diag, Diagnostic *report)
+/* A way round a circle: what each hull is on top of, and by which rule. below: SCENE_NONE of hulls that are not on it. */
+typedef struct Round {
+    uint32_t *below, *queue;
+    NestRule *rules;
+} Round;
+
+/* The shortest from a hull back to it. Pairs are of hulls still. */
+static void find_round(const CompiledScene *compiled, uint32_t first, Round *round)
 {
-    enum { NOTES_MAX = 6 };
-    int n = 0;
-    for (size_t i = 0; i < compiled->n_pairs && n < NOTES_MAX; i++) {
-        const HullPair *pair = &compiled->pairs[i];
-        if (!needs_order(compiled, pair)) continue;
-        if (compiled->order.circle[pair->a] != circle || compiled->order.circle[pair->b] != circle) continue;
-        NestOverlap overlap = {pair->a, pair->b, pair->relation};
-        NestDecision decision = nest_decide(compiled->hulls, &overlap);
-        diag_note(diag, report, compiled->scene->objects[compiled->object_of_hull[decision.top]].span,
-                  "%s is on top of %s by %s", hull_name(compiled, decision.top), hull_name(compiled, decision.bottom),
-                  nest_rule_text(decision.rule));
-        n++;
+    const uint32_t circle = compiled->order.circle[first];
+    uint32_t n = 1;
+    for (uint32_t h = 0; h < compiled->n_hulls; h++) round->below[h] = SCENE_NONE;
+    round->queue[0] = first;
+    for (uint32_t k = 0; k < n && round->below[first] == SCENE_NONE; k++)
+        for (size_t i = 0; i < compiled->n_pairs; i++) {
+            const HullPair *pair = &compiled->pairs[i];
+            const uint32_t at = round->queue[k];
+            if ((pair->a != at && pair->b != at) || !needs_order(compiled, pair)) continue;
+            NestOverlap overlap = {pair->a, pair->b, pair->relation};
+            NestDecision decision = nest_decide(compiled->hulls, &overlap);
+            const uint32_t top = decision.top;
+            if (top == at || compiled->order.circle[top] != circle || round->below[top] != SCENE_NONE) continue;
+            round->below[top] = at;
+            round->rules[top] = decision.rule;
+            if (top != first) round->queue[n++] = top;
+        }
+}
+
+/* The answers that run in a circle, as notes under the warning: each is on top of the next, and the last on top of the first. */
+static void note_circle(const CompiledScene *compiled, uint32_t first, Diag *diag, Diagnostic *report)
+{
+    enum { NOTES_MAX = 8 };
+    Round round = {.below = ARENA_ARRAY(diag->arena, uint32_t, compiled->n_hulls),
+                   .queue = ARENA_ARRAY(diag->arena, uint32_t, compiled->n_hulls),
+                   .rules = ARENA_ARRAY(diag->arena, NestRule, compiled->n_hulls)};
+    find_round(compiled, first, &round);
+    uint32_t top = first;
+    for (int n = 0; n < NOTES_MAX && round.below[top] != SCENE_NONE && (n == 0 || top != first); n++) {
+        diag_note(diag, report, compiled->scene->objects[compiled->object_of_hull[top]].span,
+                  "%s is on top of %s by %s", hull_name(compiled, top), hull_name(compiled, round.below[top]),
+                  nest_rule_text(round.rules[top]));
+        top = round.below[top];
     }
 }
 
@@ -195,7 +222,7 @@ static void report_circles(const CompiledScene *compiled, Diag *diag)
                         "which of %u overlapping objects is on top runs in a circle; among them the "
                         "smaller volume is taken to be on top",
                         (unsigned)n);
-        note_circle(compiled, circle, diag, report);
+        note_circle(compiled, first, diag, report);
         diag_hint(diag, report, "give one of them a priority; the larger is on top");
     }
 }
