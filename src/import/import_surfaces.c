@@ -125,10 +125,13 @@ static void add_skin(NodeText *node, const MeshMaterial *said, bool metal)
     }
 }
 
-static void add_layers(NodeText *node, const MeshMaterial *said)
+/* all_clear: a pane, nothing of which is opaque. */
+static void add_layers(NodeText *node, const MeshMaterial *said, bool all_clear)
 {
     double coat = import_fraction(said, FACT_COAT), sheen = largest(said->facts[FACT_SHEEN_COLOR]);
-    if (coat > 0) {
+    if (coat > 0 && all_clear) {
+        import_note(node->im, "a coat is over what is opaque, and this is all clear: its coat is not taken");
+    } else if (coat > 0) {
         add_fraction(node, said, "coat", import_fraction(said, FACT_COAT), PICTURE_COAT, "red", 0);
         add_fraction(node, said, "coat_roughness", import_fraction(said, FACT_COAT_ROUGHNESS), PICTURE_COAT_ROUGHNESS,
                      "green", 0);
@@ -288,7 +291,7 @@ static void add_cover(NodeText *node, const ImportMaterial *material)
     else
         add_opaque(node, said);
     add_relief(node, said);
-    add_layers(node, said);
+    add_layers(node, said, thin && import_transmission(said) > 0.9999 && !has_picture(said, PICTURE_TRANSMISSION));
     note_left_out(node->im, said, thin && material->clear);
 }
 
