@@ -8,6 +8,7 @@
 
 #include "base/file.h"
 #include "cli/commands.h"
+#include "cli/scene_input.h"
 #include "cli/signals.h"
 
 static Status (*const command_functions[])(const Options *options, const Talk *talk, Error *error) = {
@@ -73,9 +74,8 @@ static Status unknown_command(const char *word, const Talk *talk, Error *error)
     Status status = fail(error, STATUS_USAGE, "unknown command '%s'%s%s%s", word, near ? "; did you mean '" : "",
                          near ? near : "", near ? "'?" : "");
     talk_error(talk, error);
-    char scene[4096];
-    if ((size_t)snprintf(scene, sizeof scene, "%s.mns", word) < sizeof scene && file_exists(scene))
-        talk_hint(talk, "to render '%s', write its whole name", scene);
+    char scene[SCENE_PATH_SIZE];
+    if (scene_with_ending(word, scene)) talk_hint(talk, "to render '%s', write its whole name", scene);
     if (file_exists(word)) talk_hint(talk, "to render the file of that name, write 'meniscus render %s'", word);
     talk_hint(talk, "'meniscus help' lists the commands");
     return status;

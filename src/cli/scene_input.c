@@ -147,13 +147,16 @@ static Status check_folders(const Options *options, Error *error)
     return fail(error, STATUS_INPUT, "option '--confine': there is no folder '%s'", confine);
 }
 
-/* A scene by its name without the ending. */
+bool scene_with_ending(const char *path, char scene[SCENE_PATH_SIZE])
+{
+    return snprintf(scene, SCENE_PATH_SIZE, "%s.mns", path) < SCENE_PATH_SIZE && file_exists(scene);
+}
+
+/* That another is not there is told of by who reads it. */
 static Status check_ending(const char *path, Error *error)
 {
-    char scene[4096];
-    if (file_exists(path) || (size_t)snprintf(scene, sizeof scene, "%s.mns", path) >= sizeof scene ||
-        !file_exists(scene))
-        return STATUS_OK; /* that it is not there is told of by who reads it */
+    char scene[SCENE_PATH_SIZE];
+    if (file_exists(path) || !scene_with_ending(path, scene)) return STATUS_OK;
     return fail(error, STATUS_INPUT, "cannot read '%s': there is no such file, but '%s'", path, scene);
 }
 

@@ -41,6 +41,9 @@ typedef struct SceneInput {
     Buf printed; /* what print() said */
 } SceneInput;
 
+/* Whether there is a file that is called so with the ending of scenes: its name. */
+enum { SCENE_PATH_SIZE = 4096 };
+bool scene_with_ending(const char *path, char scene[SCENE_PATH_SIZE]);
 void scene_input_init(SceneInput *input, const Options *options, const Talk *talk);
 void scene_input_close(SceneInput *input);
 /* Lets go of the scene, its reports and its memory, and makes ready for another frame of the same animation. */

@@ -14,7 +14,7 @@
  * spread (spread.h) has been spread before. Weights have the shape of (1 - d / 8)^8, which is exp(-d) without the exponential.
  *
  * It is biased, as all of this kind: it takes a small thing that is as faint as the noise for noise. But not by its light: what
- * a neighbourhood has lost on balance goes back to those in it that have lost some. With more samples less is averaged, and the
+ * a neighbourhood has lost on balance goes back to those in it that have lost most. With more samples less is averaged, and the
  * picture converges to what it would without.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_DENOISE_H

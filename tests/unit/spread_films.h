@@ -56,12 +56,18 @@ static inline void end(Films *films)
 
 enum { LARGE = 220, SAMPLES_OF_LARGE = 16 };
 
-/* A large film, on which one thing is seen from its left border up to a column: each pixel as bright as is said. */
-static inline void begin_large(Films *films, uint32_t columns, float (*light_of)(uint32_t x, uint32_t y))
+/* A large film, without samples. */
+static inline void begin_empty(Films *films)
 {
     Error error;
     assert_int_equal(film_init(&films->film, LARGE, LARGE, &error), STATUS_OK);
     assert_int_equal(bright_film_init(&films->bright, false, LARGE, LARGE, &error), STATUS_OK);
+}
+
+/* A large film, on which one thing is seen from its left border up to a column: each pixel as bright as is said. */
+static inline void begin_large(Films *films, uint32_t columns, float (*light_of)(uint32_t x, uint32_t y))
+{
+    begin_empty(films);
     for (uint32_t y = 0; y < LARGE; y++)
         for (uint32_t x = 0; x < LARGE; x++)
             for (uint32_t i = 0; i < SAMPLES_OF_LARGE; i++) {

@@ -555,13 +555,11 @@ static void what_is_reflected_counts(void **state)
     (void)state;
     const float reflected[2] = {0.1f, 0.6f};
     for (int k = 0; k < 4; k++) {
-        Error error;
         Films films;
         float lit = k % 2 ? 0.2f : 0, bright = k / 2 ? 900 : lit > 0 ? 60 : 4;
         double gains[2] = {0};
         uint32_t pixels[2] = {0};
-        assert_int_equal(film_init(&films.film, LARGE, LARGE, &error), STATUS_OK);
-        assert_int_equal(bright_film_init(&films.bright, false, LARGE, LARGE, &error), STATUS_OK);
+        begin_empty(&films);
         for (uint32_t at = 0; at < LARGE * LARGE; at++)
             for (uint32_t i = 0; i < SAMPLES_OF_LARGE; i++) {
                 uint32_t x = at % LARGE, y = at / LARGE;
@@ -592,13 +590,11 @@ static void what_is_reflected_counts(void **state)
 static void what_few_say_is_reflected_counts_little(void **state)
 {
     (void)state;
-    Error error;
     Films films;
     double gains[2] = {0};
     uint32_t pixels[2] = {0};
     static bool told[LARGE * LARGE];
-    assert_int_equal(film_init(&films.film, LARGE, LARGE, &error), STATUS_OK);
-    assert_int_equal(bright_film_init(&films.bright, false, LARGE, LARGE, &error), STATUS_OK);
+    begin_empty(&films);
     for (uint32_t at = 0; at < LARGE * LARGE; at++)
         for (uint32_t i = 0; i < SAMPLES_OF_LARGE; i++) {
             uint64_t number = (uint64_t)at << 32 | i << 1;
@@ -624,10 +620,8 @@ static void single_colours_are_told_of(void **state)
     (void)state;
     static const double told[3] = {1, 0, 0};
     for (int kind = 0; kind < 3; kind++) {
-        Error error;
         Films films;
-        assert_int_equal(film_init(&films.film, LARGE, LARGE, &error), STATUS_OK);
-        assert_int_equal(bright_film_init(&films.bright, false, LARGE, LARGE, &error), STATUS_OK);
+        begin_empty(&films);
         for (uint32_t at = 0; at < LARGE * LARGE; at++)
             for (uint32_t i = 0; i < SAMPLES_OF_LARGE; i++) {
                 uint64_t number = (uint64_t)at << 32 | i << 1;
@@ -650,11 +644,9 @@ static void what_comes_gets_the_colour_there(void **state)
     (void)state;
     static const Reflected squares[2] = {{0.29f, {0.8f, 0.05f, 0.02f}}, {0.85f, {0.85f, 0.85f, 0.85f}}};
     for (int far = 0; far < 2; far++) {
-        Error error;
         Films films;
         double gains[2][3] = {{0}}, all[3] = {0}, size[3] = {0};
-        assert_int_equal(film_init(&films.film, LARGE, LARGE, &error), STATUS_OK);
-        assert_int_equal(bright_film_init(&films.bright, false, LARGE, LARGE, &error), STATUS_OK);
+        begin_empty(&films);
         for (uint32_t at = 0; at < LARGE * LARGE; at++)
             for (uint32_t i = 0; i < SAMPLES_OF_LARGE; i++) {
                 uint32_t x = at % LARGE, y = at / LARGE;
@@ -716,11 +708,9 @@ static void spots_stay_together(void **state)
 {
     (void)state;
     for (int scattered = 0; scattered < 2; scattered++) {
-        Error error;
         Films films;
         double beside = 0, all = 0;
-        assert_int_equal(film_init(&films.film, LARGE, LARGE, &error), STATUS_OK);
-        assert_int_equal(bright_film_init(&films.bright, false, LARGE, LARGE, &error), STATUS_OK);
+        begin_empty(&films);
         for (uint32_t at = 0; at < LARGE * LARGE; at++)
             for (uint32_t i = 0; i < 3 * SAMPLES_OF_LARGE; i++) {
                 uint32_t x = at % LARGE, y = at / LARGE, u = x - LARGE / 2 + 20, v = y - LARGE / 2 + 20;
@@ -748,10 +738,8 @@ static void glints_stay_where_they_are(void **state)
 {
     (void)state;
     for (int kind = 0; kind < 3; kind++) {
-        Error error;
         Films films;
-        assert_int_equal(film_init(&films.film, LARGE, LARGE, &error), STATUS_OK);
-        assert_int_equal(bright_film_init(&films.bright, false, LARGE, LARGE, &error), STATUS_OK);
+        begin_empty(&films);
         for (uint32_t at = 0; at < LARGE * LARGE; at++)
             for (uint32_t i = 0; i < 3 * SAMPLES_OF_LARGE; i++) {
                 int x = (int)(at % LARGE) - LARGE / 2, y = (int)(at / LARGE) - LARGE / 2;
@@ -775,13 +763,11 @@ static void glints_stay_where_they_are(void **state)
 static void glows_are_not_dotted(void **state)
 {
     (void)state;
-    Error error;
     Films films;
     enum { N = 3 * SAMPLES_OF_LARGE };
     const float found_light = 1.5f * N;
     uint32_t found_far = 0, dots = 0;
-    assert_int_equal(film_init(&films.film, LARGE, LARGE, &error), STATUS_OK);
-    assert_int_equal(bright_film_init(&films.bright, false, LARGE, LARGE, &error), STATUS_OK);
+    begin_empty(&films);
     for (uint32_t at = 0; at < LARGE * LARGE; at++)
         for (uint32_t i = 0; i < N; i++) {
             double x = (double)(at % LARGE) - LARGE / 2, y = (double)(at / LARGE) - LARGE / 2,
@@ -806,11 +792,9 @@ static void what_is_small_and_glaring_stays_small(void **state)
 {
     (void)state;
     for (int line = 0; line < 2; line++) {
-        Error error;
         Films films;
         double all = 0, beyond = 0, most = 0;
-        assert_int_equal(film_init(&films.film, LARGE, LARGE, &error), STATUS_OK);
-        assert_int_equal(bright_film_init(&films.bright, false, LARGE, LARGE, &error), STATUS_OK);
+        begin_empty(&films);
         for (uint32_t at = 0; at < LARGE * LARGE; at++)
             for (uint32_t i = 0; i < 4 * SAMPLES_OF_LARGE; i++) {
                 int x = (int)(at % LARGE) - 100, y = (int)(at / LARGE) - 90;
@@ -844,11 +828,9 @@ static void what_all_is_lit_by_is_no_tint(void **state)
     static const float lights[2][3] = {{0.1f, 0.1f, 0.1f}, {0.27f, 0.02f, 0.01f}};
     double farthest[2] = {0};
     for (int k = 0; k < 2; k++) {
-        Error error;
         Films films;
         float bright[3];
-        assert_int_equal(film_init(&films.film, LARGE, LARGE, &error), STATUS_OK);
-        assert_int_equal(bright_film_init(&films.bright, false, LARGE, LARGE, &error), STATUS_OK);
+        begin_empty(&films);
         for (uint32_t at = 0; at < LARGE * LARGE; at++)
             for (uint32_t i = 0; i < SAMPLES_OF_LARGE; i++) add(&films, at % LARGE, at / LARGE, lights[k], 1);
         for (int c = 0; c < 3; c++) bright[c] = 2000 * lights[k][c];
