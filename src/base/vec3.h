@@ -115,6 +115,11 @@ static inline Vec3f vec3f_negate(Vec3f a)
 {
     return vec3f(-a.x, -a.y, -a.z);
 }
+/* Between two vectors, radians: true to small angles, too. */
+static inline double vec3_angle(Vec3 a, Vec3 b)
+{
+    return atan2(vec3_length(vec3_cross(a, b)), vec3_dot(a, b));
+}
 /* Rounds to the nearest float vector. */
 static inline Vec3f vec3f_from(Vec3 a)
 {

@@ -5,6 +5,7 @@
 
 #include "scene/lines.h"
 #include "check/report.h"
+#include "check/report_table.h"
 
 enum {
     REPORT_FEW = 4,  /* more like objects or pairs than this are summed up */
@@ -108,20 +109,6 @@ void report_portals(const CompiledScene *compiled, Diag *diag);
 
 /* Number i of n directions that are even over those whose y is least_y or more. */
 Vec3 report_direction(int i, int n, double least_y);
-
-/* Rows of cells, in columns as wide as their widest cell. */
-enum { REPORT_COLUMNS = 8 };
-typedef struct ReportTable {
-    Buf *cells; /* rows * n_columns */
-    size_t n_rows, capacity;
-    unsigned n_columns;
-    bool right[REPORT_COLUMNS]; /* flush right */
-    Buf spare[REPORT_COLUMNS];  /* the row when memory has ended */
-    bool failed;
-} ReportTable;
-/* A new row's cells; one that is left empty is an empty line. */
-Buf *report_row(ReportTable *table);
-void report_print_table(ReportTable *table, Buf *out); /* and frees it */
 
 /* Parts of the text. */
 void report_print_hulls(const CompiledScene *compiled, const ReportGroups *groups, SourceSet *sources, Buf *out);

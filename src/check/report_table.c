@@ -1,11 +1,12 @@
 /* report_table.c - rows of cells, in columns as wide as their widest cell.
  * SPDX-License-Identifier: Apache-2.0 */
+#include "check/report_table.h"
+
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/array.h"
 #include "base/utf8.h"
-#include "check/report_parts.h"
 
 static unsigned text_width(const char *text)
 {

@@ -169,7 +169,8 @@ static bool legend_make(const CheckSlice *slice, const CompiledScene *compiled, 
 {
     const Scene *scene = compiled->scene;
     bool *seen = hulls_seen(slice, compiled);
-    *legend = (Legend){.lines = calloc(scene->n_media + 3U, sizeof *legend->lines)};
+    const uint32_t n_nm = slice->rays->n ? slice->rays->n_nm : 0;
+    *legend = (Legend){.lines = calloc(scene->n_media + 3U + n_nm, sizeof *legend->lines)};
     for (uint32_t m = 0; seen && legend->lines && m < scene->n_media; m++) {
         char names[LEGEND_TEXT] = "";
         unsigned n = 0;
@@ -193,6 +194,13 @@ static bool legend_make(const CheckSlice *slice, const CompiledScene *compiled, 
         report_add_length(&gap, scene, slice->image.least_gap);
         add_line(legend, slice_gap_color, false, "", buf_text(&gap));
         buf_clear(&gap);
+    }
+    for (uint32_t i = 0; ready && i < n_nm; i++) {
+        char text[LEGEND_TEXT];
+        float rgb[3];
+        check_rays_color(slice->rays, slice->rays->nm[i], rgb);
+        snprintf(text, sizeof text, "light of %g nm", slice->rays->nm[i]);
+        add_line(legend, rgb, false, "", text);
     }
     free(seen);
     return ready;
@@ -339,8 +347,10 @@ static void fit(CheckSlice *slice)
         plane->height = plane->width / aspect;
 }
 
-Status check_slice_make(CheckSlice *slice, const CompiledScene *compiled, Pool *pool, Error *error)
+Status check_slice_make(CheckSlice *slice, const CompiledScene *compiled, const CheckRays *rays, Pool *pool,
+                        Error *error)
 {
+    slice->rays = rays;
     TRY(output_probe(slice->path, error)); /* not before the scene was read: it is not to be written over */
     NestPolicy policy = compiled->order.policy;
     if (policy != NEST_AUTOMATIC && policy != NEST_PRIORITY)
@@ -348,8 +358,10 @@ Status check_slice_make(CheckSlice *slice, const CompiledScene *compiled, Pool *
                     nest_policy_text(policy));
     if (!slice_plane_make(compiled, slice->point, slice->normal, &slice->plane))
         return fail(error, STATUS_USAGE, "option '--slice': the scene has no clear objects to cut");
+    if (!slice->has_region) check_rays_widen(rays, &slice->plane);
     fit(slice);
     TRY(slice_draw(compiled, pool, &slice->plane, slice->width, slice->height, &slice->image, error));
+    check_rays_draw(rays, &slice->plane, &slice->image);
     Legend legend;
     Image image = {0};
     Status status = legend_make(slice, compiled, &legend) ? compose(slice, compiled->scene, &legend, &image, error)

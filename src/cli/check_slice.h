@@ -6,6 +6,7 @@
 #include "base/json.h"
 #include "cli/options.h"
 #include "check/slice.h"
+#include "cli/check_rays.h"
 
 typedef struct CheckSlice {
     bool wanted;
@@ -16,13 +17,15 @@ typedef struct CheckSlice {
     char *path;
     SlicePlane plane;
     SliceImage image;
+    const CheckRays *rays; /* that are drawn over it; not owned */
 } CheckSlice;
 
 /* Reads the options, before any work is done; STATUS_USAGE. check_slice_clear is due in every case. */
 ATTR_NODISCARD Status check_slice_init(CheckSlice *slice, const Options *options, Error *error);
 void check_slice_clear(CheckSlice *slice);
-/* Draws the slice and writes the file. */
-ATTR_NODISCARD Status check_slice_make(CheckSlice *slice, const CompiledScene *compiled, Pool *pool, Error *error);
+/* Draws the slice, and rays over it, and writes the file. */
+ATTR_NODISCARD Status check_slice_make(CheckSlice *slice, const CompiledScene *compiled, const CheckRays *rays,
+                                       Pool *pool, Error *error);
 /* What the colours mean, as text and as the member "slice". */
 void check_slice_print(const CheckSlice *slice, const CompiledScene *compiled, Buf *out);
 void check_slice_print_json(const CheckSlice *slice, const CompiledScene *compiled, JsonWriter *json);

@@ -5,6 +5,7 @@
 #include "base/hash.h"
 #include "check/report.h"
 #include "check/sight_line.h"
+#include "cli/check_rays.h"
 #include "cli/check_slice.h"
 #include "cli/commands.h"
 #include "cli/other_frames.h"
@@ -19,6 +20,7 @@ typedef struct Check {
     CheckSlice slice;
     const uint32_t *pixel; /* of --pixel; NULL: not asked for */
     SightLine sight;
+    CheckRays rays;
     uint32_t camera, width, height; /* what --camera, --size and --scale say */
     Buf out, report;                /* report: of the first frame that could be built, as text or as JSON */
     bool as_json, built;
@@ -50,6 +52,7 @@ static void print_report(void *context)
         buf_add(&check->report, "\n");
         sight_line_print(check->input.compiled, &check->sight, &check->report);
     }
+    if (!check->as_json && check->rays.n) check_rays_print(&check->rays, check->input.compiled, &check->report);
     if (!check->as_json && check->slice.wanted) check_slice_print(&check->slice, check->input.compiled, &check->report);
     check->hash = check->input.scene->hash;
     check->built = true;
@@ -79,6 +82,7 @@ static void print_json(void *context)
         json_key(&json, "sight");
         sight_line_print_json(check->input.compiled, &check->sight, &json);
     }
+    if (check->built && check->rays.n) check_rays_print_json(&check->rays, check->input.compiled, &json);
     if (check->built && check->slice.wanted) check_slice_print_json(&check->slice, check->input.compiled, &json);
     json_end(&json);
     buf_add(&check->out, "\n");
@@ -113,7 +117,9 @@ static Status look(Check *check, Error *error)
 {
     TRY(viewpoint_size(&check->input, &check->width, &check->height, error));
     TRY(viewpoint_camera(&check->input, &check->camera, error));
-    return check->pixel ? look_through_pixel(check, error) : STATUS_OK;
+    if (check->pixel) TRY(look_through_pixel(check, error));
+    RayView view = {check->camera, check->width, check->height};
+    return check_rays_find(&check->rays, check->input.compiled, view, check->pool, error);
 }
 
 /* Everything that can be wrong with the input's frame. */
@@ -124,7 +130,8 @@ static Status examine_frame(Check *check, Error *error)
     TRY(status);
     TRY(scene_input_compile(&check->input, check->pool, error));
     if (!check->built) TRY(look(check, error));
-    if (check->slice.wanted) TRY(check_slice_make(&check->slice, check->input.compiled, check->pool, error));
+    if (check->slice.wanted)
+        TRY(check_slice_make(&check->slice, check->input.compiled, &check->rays, check->pool, error));
     if (!check->built) TRY(scene_input_guard(&check->input, print_report, check, error));
     check->error = error;
     TRY(scene_input_guard(&check->input, warn, check, error));
@@ -198,6 +205,7 @@ Status cmd_check(const Options *options, const Talk *talk, Error *error)
                    .pixel = option_given(options, OPTION_PIXEL) ? options->values[OPTION_PIXEL].whole : NULL};
     scene_input_init(&check.input, options, talk);
     Status status = check_slice_init(&check.slice, options, error);
+    if (status == STATUS_OK) status = check_rays_init(&check.rays, options, error);
     if (status == STATUS_OK) status = examine(&check, options, error);
     if (status == STATUS_OK || status == STATUS_SCENE) {
         Error own = {0};
@@ -209,6 +217,7 @@ Status cmd_check(const Options *options, const Talk *talk, Error *error)
     }
     buf_clear(&check.out);
     check_slice_clear(&check.slice);
+    check_rays_clear(&check.rays);
     sight_line_clear(&check.sight);
     buf_clear(&check.report);
     scene_input_close(&check.input);

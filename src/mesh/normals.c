@@ -37,7 +37,7 @@ static double angle_at(const Mesh *mesh, uint32_t corner)
     Vec3 tip = vec3_from_f(mesh->positions[t[corner % 3]]);
     Vec3 a = vec3_sub(vec3_from_f(mesh->positions[t[(corner + 1) % 3]]), tip);
     Vec3 b = vec3_sub(vec3_from_f(mesh->positions[t[(corner + 2) % 3]]), tip);
-    return atan2(vec3_length(vec3_cross(a, b)), vec3_dot(a, b));
+    return vec3_angle(a, b);
 }
 
 static uint32_t corner_at(const Topology *topology, uint32_t triangle, uint32_t place)

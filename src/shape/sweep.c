@@ -127,11 +127,6 @@ static Vec3 piece_at(const Piece *piece, double t, Vec3 *velocity)
                 hermite(a->z, b->z, start->z, end->z, t, &velocity->z));
 }
 
-static double angle_between(Vec3 a, Vec3 b)
-{
-    return atan2(vec3_length(vec3_cross(a, b)), vec3_dot(a, b));
-}
-
 /* How far the outline is from the path, at a scale of 1. */
 static double outline_reach(const SweepShape *shape)
 {
@@ -203,7 +198,7 @@ static unsigned steps_of(const SweepShape *shape, const Piece *piece, double twi
         Vec3 first = vec3_sub(vec3_scale(chord, 6), vec3_add(vec3_scale(m0, 4), vec3_scale(m1, 2)));
         Vec3 last = vec3_sub(vec3_add(vec3_scale(m0, 2), vec3_scale(m1, 4)), vec3_scale(chord, 6));
         double bend = fmax(vec3_length(first), vec3_length(last));
-        double turning = angle_between(m0, chord) + angle_between(chord, m1);
+        double turning = vec3_angle(m0, chord) + vec3_angle(chord, m1);
         if (shape->n_scales > 1) { /* the outline's farthest point as it would go along a straight path */
             double reach = outline_reach(shape), rise = reach * (piece->s1 - piece->s0), length = vec3_length(chord);
             double start = reach * piece->scale_start, end = reach * piece->scale_end, middle = atan2(rise, length);

@@ -395,12 +395,8 @@ bool path_shade_opaque(Path *path, Event *event)
     if (look->light != SCENE_NONE || look->surface == SCENE_NONE) return false;
     const SceneSurface *surface = path_surface(path, event, look->surface);
     SurfacePlace place = opaque_place(path, event, surface);
-    const BsdfSpec *spec = &surface->spec;
     BsdfSpec textured;
-    if (UNLIKELY(surface_has_textures(surface))) {
-        path_read_textures(path, event, surface, &place, path->wavelengths.nm, &textured);
-        spec = &textured;
-    }
+    const BsdfSpec *spec = path_spec_at(path, event, surface, &place, &textured);
     if (surface->finished) {
         bool straight = false, goes_on = path_shade_finished(path, event, surface, spec, &place, &straight);
         if (UNLIKELY(straight)) {
@@ -596,12 +592,8 @@ bool path_cross_boundary(Path *path, Event *event)
     uint32_t number = world->looks[event->hit.object].surface;
     const SceneSurface *surface = number == SCENE_NONE ? NULL : path_surface(path, event, number);
     if (surface && (surface->roughness > 0 || surface->painted)) {
-        const BsdfSpec *spec = &surface->spec;
-        BsdfSpec textured;
-        if (surface_has_textures(surface)) {
-            path_read_textures(path, event, surface, &place, path->wavelengths.nm, &textured);
-            spec = &textured;
-        }
+        BsdfSpec room;
+        const BsdfSpec *spec = path_spec_at(path, event, surface, &place, &room);
         return path_cross_rough(path, event, surface, spec, &place, eta_i, eta_t);
     }
     if (surface && surface_has_relief(surface)) path_relief(path, event, surface, 0, &place);

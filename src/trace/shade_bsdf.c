@@ -366,20 +366,27 @@ static Lanes index_around(const World *world, uint32_t medium, const BsdfSpec *s
     return medium_ior(world, medium, rough && world_medium_disperses(world, medium) ? lanes_all(BALANCE_NM) : nm);
 }
 
-bool path_shade_finished(Path *path, Event *event, const SceneSurface *surface, const BsdfSpec *spec,
-                         const SurfacePlace *place, bool *straight)
+void path_bsdf_of_finished(Path *path, const SceneSurface *surface, const BsdfSpec *spec, Bsdf *bsdf)
 {
     const World *world = path->tracer->world;
     Lanes nm = path->wavelengths.nm;
     uint32_t medium = nest_medium(&path->tracer->list);
     Lanes around = index_around(world, medium, spec, nm);
     const BalanceCase met = {.surface = surface, .spec = spec, .medium_from = medium, .medium_to = medium};
+    bsdf_from_spec(spec, nm, around, around, balances_find(world->balances, &met), bsdf);
+}
+
+bool path_shade_finished(Path *path, Event *event, const SceneSurface *surface, const BsdfSpec *spec,
+                         const SurfacePlace *place, bool *straight)
+{
+    const World *world = path->tracer->world;
     Bsdf bsdf;
-    bsdf_from_spec(spec, nm, around, around, balances_find(world->balances, &met), &bsdf);
+    path_bsdf_of_finished(path, surface, spec, &bsdf);
     float brightness[2];
-    if (surface->thin && world->beacons.any && !world->trial.fresnel_alone &&
-        path_look_ahead(path, place, around, brightness))
-        bsdf_set_brightness(&bsdf, brightness);
+    if (surface->thin && world->beacons.any && !world->trial.fresnel_alone) {
+        Lanes around = index_around(world, nest_medium(&path->tracer->list), spec, path->wavelengths.nm);
+        if (path_look_ahead(path, place, around, brightness)) bsdf_set_brightness(&bsdf, brightness);
+    }
     Frame frame = frame_of(path, event, surface, spec, place);
     *straight = surface_is_pane(surface) && scene_is_pane(world->scene, event->hit.object);
     return scatter(path, event, &bsdf, place, &frame, straight);
@@ -433,8 +440,8 @@ Lanes path_pass_panes(const Path *path, const Ray *ray, const Hit *hits, size_t 
     return left;
 }
 
-bool path_cross_rough(Path *path, Event *event, const SceneSurface *surface, const BsdfSpec *spec,
-                      const SurfacePlace *place, Lanes eta_i, Lanes eta_t)
+void path_bsdf_of_boundary(Path *path, const Event *event, const SceneSurface *surface, const BsdfSpec *spec,
+                           Lanes eta_i, Lanes eta_t, Bsdf *bsdf)
 {
     const BalanceCase met = {.surface = surface,
                              .spec = spec,
@@ -442,16 +449,22 @@ bool path_cross_rough(Path *path, Event *event, const SceneSurface *surface, con
                              .medium_to = event->crossing.medium_to,
                              .bare = !surface->painted};
     const BsdfKept *kept = balances_find(path->tracer->world->balances, &met);
-    Bsdf bsdf;
     if (surface->painted) {
-        bsdf_from_spec(spec, path->wavelengths.nm, eta_i, eta_t, kept, &bsdf);
-    } else {
-        bsdf_begin(&bsdf);
-        bsdf_set_balance(&bsdf, kept ? kept->balance : NULL);
-        float alpha_x, alpha_y;
-        bsdf_alphas(spec->specular_roughness, spec->specular_roughness_anisotropy, &alpha_x, &alpha_y);
-        bsdf_add_boundary(&bsdf, 1, eta_i, eta_t, alpha_x, alpha_y);
+        bsdf_from_spec(spec, path->wavelengths.nm, eta_i, eta_t, kept, bsdf);
+        return;
     }
+    bsdf_begin(bsdf);
+    bsdf_set_balance(bsdf, kept ? kept->balance : NULL);
+    float alpha_x, alpha_y;
+    bsdf_alphas(spec->specular_roughness, spec->specular_roughness_anisotropy, &alpha_x, &alpha_y);
+    bsdf_add_boundary(bsdf, 1, eta_i, eta_t, alpha_x, alpha_y);
+}
+
+bool path_cross_rough(Path *path, Event *event, const SceneSurface *surface, const BsdfSpec *spec,
+                      const SurfacePlace *place, Lanes eta_i, Lanes eta_t)
+{
+    Bsdf bsdf;
+    path_bsdf_of_boundary(path, event, surface, spec, eta_i, eta_t, &bsdf);
     Frame frame = frame_of(path, event, surface, spec, place);
     bool straight = false;
     return scatter(path, event, &bsdf, place, &frame, &straight);

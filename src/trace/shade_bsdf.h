@@ -5,6 +5,11 @@
 
 #include "trace/shade.h"
 
+/* What scatters light at an opaque or thin surface that is more than matte, with the parameters that it has there, in the medium of
+ * tracer->list; and at the boundary of an event that is rough, or not clear in all parts. */
+void path_bsdf_of_finished(Path *path, const SceneSurface *surface, const BsdfSpec *spec, Bsdf *bsdf);
+void path_bsdf_of_boundary(Path *path, const Event *event, const SceneSurface *surface, const BsdfSpec *spec,
+                           Lanes eta_i, Lanes eta_t, Bsdf *bsdf);
 /* An opaque surface that is more than matte, and its parameters there; false: the path ends. *straight: it has gone
  * through a pane, as rays towards lights do. It counts as on its way from where it was scattered before, so that what it finds
  * is weighted against light sampling from there. */

@@ -32,15 +32,6 @@ static void reflectance_color(const Path *path, const Event *event, const SceneS
     for (int c = 0; c < 3; c++) rgb[c] = lanes_sum(sum[c]);
 }
 
-/* What the surface has at this place; spec: room. */
-static const BsdfSpec *spec_at(const Path *look, const Event *event, const SceneSurface *surface, SurfacePlace *place,
-                               BsdfSpec *spec)
-{
-    if (!surface_has_textures(surface)) return &surface->spec;
-    path_read_textures(look, event, surface, place, look->wavelengths.nm, spec);
-    return spec;
-}
-
 static float clear_part(const BsdfSpec *spec)
 {
     return (1 - spec->base_metalness) * spec->transmission_weight;
@@ -69,7 +60,7 @@ static void color_of(const Path *path, const Event *event, bool ends, float rgb[
     if (!clear || ends) return;
     SurfacePlace place = path_place(path, event);
     BsdfSpec room;
-    float part = clear_part(spec_at(path, event, surface, &place, &room));
+    float part = clear_part(path_spec_at(path, event, surface, &place, &room));
     for (int i = 0; i < 3; i++) rgb[i] += part * (1 - rgb[i]);
 }
 
@@ -188,7 +179,7 @@ static bool cross_boundary(Path *look, Event *event, const SceneSurface *surface
 {
     SurfacePlace place = path_place(look, event);
     BsdfSpec room;
-    const BsdfSpec *spec = surface ? spec_at(look, event, surface, &place, &room) : NULL;
+    const BsdfSpec *spec = surface ? path_spec_at(look, event, surface, &place, &room) : NULL;
     if (surface && surface->painted && !is_clear(look, spec)) return false;
     if (surface && surface_has_relief(surface)) path_relief(look, event, surface, 0, &place);
     Vec3f direction, normal = place.normal;
@@ -205,7 +196,7 @@ static bool cross_sheet(Path *look, Event *event, const SceneSurface *surface)
 {
     SurfacePlace place = path_place(look, event);
     BsdfSpec room;
-    if (!surface->thin || !surface->finished || !is_clear(look, spec_at(look, event, surface, &place, &room)))
+    if (!surface->thin || !surface->finished || !is_clear(look, path_spec_at(look, event, surface, &place, &room)))
         return false;
     if (path_passes_into_boundary(look, event)) return cross_boundary(look, event, surface_of(look, event));
     if (!path_cross_into_next(look->tracer, event)) return false;

@@ -27,6 +27,14 @@ void path_relief(const Path *path, const Event *event, const SceneSurface *surfa
  * what path_relief does. */
 void path_read_textures(const Path *path, const Event *event, const SceneSurface *surface, SurfacePlace *place,
                         Lanes wavelength_nm, BsdfSpec *spec);
+/* The parameters that any surface has there. room: for those of one with textures, which has what path_read_textures does. */
+static inline const BsdfSpec *path_spec_at(const Path *path, const Event *event, const SceneSurface *surface,
+                                           SurfacePlace *place, BsdfSpec *room)
+{
+    if (LIKELY(!surface_has_textures(surface))) return &surface->spec;
+    path_read_textures(path, event, surface, place, path->wavelengths.nm, room);
+    return room;
+}
 /* The parameters of a surface with textures and without relief where a ray hits it; footprint: the size of what need not be
  * told apart. */
 void texture_read_spec(const World *world, const SceneSurface *surface, const Ray *ray, const Hit *hit,

@@ -296,6 +296,88 @@ says err '[unknown-camera]'
 says err "did you mean 'side'?"
 end
 
+begin "check --ray: where light goes, surface by surface, and drawn into a slice"
+cat > lens.mns <<'SCENE'
+meniscus 1.0 unit mm
+medium crown { ior = cauchy(1.5046, .0042)  state = solid }
+environment { }
+intersection lens { interior = crown  sphere { center = <48, 0, 0>  radius = 50 }  sphere { center = <-48, 0, 0>  radius = 50 } }
+box screen { surface = surface { albedo = .5 }  from = <49, -10, -10>  to = <50, 10, 10> }
+camera { from = <-200, 5, 0>  to = <0, 5, 0>  fov = 10 }
+film { size = <9, 9> }
+SCENE
+run check lens.mns --ray=-30,5,0:1,0,0
+exits 0
+says out "Light of 589.3 nm from -30, 5, 0, in air, along 1, 0, 0"
+matches out '^  1 +28.3 mm +lens +from air to crown: 95.8 % +5.739° to 3.781° +100 %$'
+matches out '^  3 +[0-9.]+ mm +screen +ends there +91.7 %$'
+matches out '^  turned by 5.[0-9]+° in all; the optical path is 8[0-9.]+ mm$'
+run check lens.mns --ray 4,4 --size 9x9
+says out "from -200, 5, 0, in air, along 1, 0, 0"
+run check lens.mns --ray=-30,5,0:1,0,0 --ray-least 1% --json
+"$python" -c '
+import json, sys
+ray, = json.load(open("out"))["rays"]
+assert ray["start"] == "air" and ray["complete"], ray
+ways = ray["ways"]
+assert [s["turn"] for s in ways[0]["steps"]] == ["passes", "passes", "ends"], ways[0]
+assert [(w["from_way"], w["from_step"]) for w in ways[1:]] == [(0, 0), (0, 1)], ways
+assert ways[1]["steps"][0]["turn"] == "mirrored" and ways[1]["steps"][1]["length"] is None, ways[1]
+assert sum(w["steps"][-1]["carried"] for w in ways) > .99, ways
+' || flunk "the JSON of --ray"
+run check lens.mns --slice z=0 --slice-output bare.png -q
+run check lens.mns --slice z=0 --slice-output rays.png --slice-region=-40,-12,52,12 --ray=-30,-8,0..-30,8,0:1,0,0/9 --ray-wavelength 650,450
+exits 0
+says out "Where 18 rays of light end"
+matches out '^  1  650 nm  pp  screen at 49, 0.[0-9]+, 0 +[0-9.]+°  9[0-9.]+ %$'
+matches out '^  #[0-9a-f]{6}  light of 450 nm$'
+[ "$(grep -c '^ .*pp  screen at' out)" = 18 ] || flunk "the ends of 18 rays"
+"$python" - <<'PYTHON' || flunk "the rays are drawn"
+import json, struct, subprocess, zlib
+def pixels(name):
+    data = open(name, "rb").read()
+    at, idat = 8, b""
+    while at < len(data):
+        n, kind = struct.unpack(">I4s", data[at:at + 8])
+        if kind == b"IHDR": width, height, depth, color = struct.unpack(">IIBB", data[at + 8:at + 18])
+        if kind == b"IDAT": idat += data[at + 8:at + 8 + n]
+        at += 12 + n
+    assert depth == 8 and color == 2, (depth, color)
+    raw, step, rows, before = zlib.decompress(idat), 3 * width + 1, [], bytes(3 * width)
+    for y in range(height):
+        filter, row = raw[y * step], bytearray(raw[y * step + 1:(y + 1) * step])
+        for i in range(len(row)):
+            a, b, c = (row[i - 3] if i >= 3 else 0), before[i], (before[i - 3] if i >= 3 else 0)
+            if filter == 1: row[i] = row[i] + a & 255
+            if filter == 2: row[i] = row[i] + b & 255
+            if filter == 3: row[i] = row[i] + (a + b) // 2 & 255
+            if filter == 4:
+                p = a + b - c
+                row[i] = row[i] + min((a, b, c), key=lambda v: abs(p - v)) & 255
+        rows.append(bytes(row)); before = bytes(row)
+    return width, rows
+width, rows = pixels("rays.png")
+# 9 lines cross a column in front of the lens, where all is white; both colours lie over each other there
+column = [rows[y][3 * 150:3 * 150 + 3] for y in range(300)]
+lines = sum(1 for a, b in zip(column, column[1:]) if min(a) > 240 and min(b) <= 240)
+assert lines == 9, lines
+PYTHON
+for wrong in 1 1,2,3 1,2,3: 1,2,3:0,0,0 1,2,3:1,0,0/3 1,2,3:1,0,0/x 1,2,3..1,2:1,0,0 1,2,3:1,0,0.. 1.5,2 99,99; do
+    run check lens.mns --ray "$wrong"
+    exits 2
+    says err "option '--ray'"
+done
+run check lens.mns --ray=-30,0,0:1,0,0 --ray-wavelength 200
+exits 2
+says err "from 360 to 830"
+run check lens.mns --ray-least 1%
+exits 2
+says err "option '--ray-least' means nothing without '--ray'"
+run check lens.mns --ray 49,0,0:1,0,0
+exits 2
+says err "this is one of 'screen'"
+end
+
 begin "check --pixel: what stands along a line of sight, and why"
 cat > sight.mns <<'SCENE'
 meniscus 1.0 unit mm
