@@ -309,7 +309,7 @@ SCENE
 run check lens.mns --ray=-30,5,0:1,0,0
 exits 0
 says out "Light of 589.3 nm from -30, 5, 0, in air, along 1, 0, 0"
-matches out '^  1 +28.3 mm +lens +from air to crown: 95.8 % +5.739° to 3.781° +100 %$'
+matches out '^  1 +28.3 mm +lens +from air to crown: 95.8 % +5.739° to 3.78° +100 %$'
 matches out '^  3 +[0-9.]+ mm +screen +ends there +91.7 %$'
 matches out '^  turned by 5.[0-9]+° in all; the optical path is 8[0-9.]+ mm$'
 run check lens.mns --ray 4,4 --size 9x9
