@@ -14,7 +14,7 @@
 
 ColorLook film_look(const SceneFilm *film)
 {
-    return (ColorLook){.exposure = film->exposure, .alpha = film->alpha};
+    return (ColorLook){.exposure = film->exposure, .white_balance = film->white_balance, .alpha = film->alpha};
 }
 
 ColorLook render_look(const RenderRun *run)

@@ -214,7 +214,7 @@ static const char *kind_name(OptionKind kind)
         [KIND_COUNT] = "whole number", [KIND_NUMBER] = "number",   [KIND_FRACTION] = "fraction",
         [KIND_DURATION] = "duration",  [KIND_SIZE] = "size",       [KIND_CROP] = "crop",
         [KIND_PIXEL] = "pixel",        [KIND_FRAMES] = "frames",   [KIND_SHARD] = "shard",
-        [KIND_RANGE] = "range",
+        [KIND_RANGE] = "range",        [KIND_KELVIN] = "kelvin",
     };
     return names[kind];
 }

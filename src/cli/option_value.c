@@ -102,6 +102,18 @@ static Status read_duration(const char *spelled, const char *text, OptionValue *
     return STATUS_OK;
 }
 
+static Status read_kelvin(const OptionRow *row, const char *spelled, const char *text, OptionValue *value, Error *error)
+{
+    value->number = 0;
+    if (strcmp(text, "off") == 0) return STATUS_OK;
+    size_t n = num_parse(text, strlen(text), &value->number);
+    n += n && text[n] == 'K';
+    if (n && !text[n] && in_range(row, value->number)) return STATUS_OK;
+    return fail(error, STATUS_USAGE,
+                "option '%s': '%s' is not a temperature from %g to %g kelvin, such as 2700, or off", spelled, text,
+                row->low, row->high);
+}
+
 static Status read_size(const OptionRow *row, const char *spelled, const char *text, OptionValue *value, Error *error)
 {
     size_t n = read_whole(text, &value->whole[0]);
@@ -259,6 +271,7 @@ Status option_value_read(const OptionRow *row, const char *spelled, const char *
     case KIND_NUMBER:
     case KIND_FRACTION: return read_number(row, spelled, text, value, error);
     case KIND_DURATION: return read_duration(spelled, text, value, error);
+    case KIND_KELVIN: return read_kelvin(row, spelled, text, value, error);
     case KIND_SIZE: return read_size(row, spelled, text, value, error);
     case KIND_CROP: return read_crop(spelled, text, value, error);
     case KIND_PIXEL: return read_pixel(spelled, text, value, error);

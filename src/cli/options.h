@@ -39,6 +39,7 @@ typedef enum OptionKind {
     KIND_NUMBER,
     KIND_FRACTION, /* 0.5 or 50% */
     KIND_DURATION, /* in seconds */
+    KIND_KELVIN,   /* 2700 or 2700K; off: 0 */
     KIND_SIZE,     /* WxH */
     KIND_CROP,     /* X0,Y0,X1,Y1, each in pixels or percent */
     KIND_PIXEL,    /* X,Y */

@@ -12,6 +12,7 @@
 #include "base/file.h"
 #include "base/file_reads.h"
 #include "base/num.h"
+#include "optics/white_balance.h"
 #include "render/brightness.h"
 
 enum { FEWEST_DIGITS = 4, LONGEST_NUMBER = 64 };
@@ -209,12 +210,13 @@ ColorLook output_look(const Options *options, const ColorLook *own)
     if (option_given(options, OPTION_EXPOSURE)) look.exposure.stops = options->values[OPTION_EXPOSURE].number;
     if (option_given(options, OPTION_AUTO_EXPOSURE))
         look.exposure.automatic = option_is(options, OPTION_AUTO_EXPOSURE, "on");
+    if (option_given(options, OPTION_WHITE_BALANCE)) look.white_balance = options->values[OPTION_WHITE_BALANCE].number;
     if (option_given(options, OPTION_ALPHA)) look.alpha = option_is(options, OPTION_ALPHA, "on");
     return look;
 }
 
 static const char *const exposure_name = "meniscus/exposure", *const automatic_name = "meniscus/autoExposure",
-                         *const alpha_name = "meniscus/alpha";
+                         *const white_name = "meniscus/whiteBalance", *const alpha_name = "meniscus/alpha";
 
 size_t output_note_look(const ColorLook *look, ImageAttribute attributes[OUTPUT_LOOK_ATTRIBUTES])
 {
@@ -222,15 +224,18 @@ size_t output_note_look(const ColorLook *look, ImageAttribute attributes[OUTPUT_
     attributes[n++] = (ImageAttribute){.name = exposure_name, .type = ATTRIBUTE_FLOAT, .number = look->exposure.stops};
     if (look->exposure.automatic)
         attributes[n++] = (ImageAttribute){.name = automatic_name, .type = ATTRIBUTE_INT, .whole = 1};
+    if (look->white_balance > 0)
+        attributes[n++] = (ImageAttribute){.name = white_name, .type = ATTRIBUTE_FLOAT, .number = look->white_balance};
     if (look->alpha) attributes[n++] = (ImageAttribute){.name = alpha_name, .type = ATTRIBUTE_INT, .whole = 1};
     return n;
 }
 
 void output_find_look(ColorLook *look, const char *name, double value)
 {
-    const OptionRow *exposure = option_row(OPTION_EXPOSURE);
+    const OptionRow *exposure = option_row(OPTION_EXPOSURE), *white = option_row(OPTION_WHITE_BALANCE);
     if (strcmp(name, exposure_name) == 0 && value >= exposure->low && value <= exposure->high)
         look->exposure.stops = value;
+    if (strcmp(name, white_name) == 0 && value >= white->low && value <= white->high) look->white_balance = value;
     if (strcmp(name, automatic_name) == 0) look->exposure.automatic = value == 1;
     if (strcmp(name, alpha_name) == 0) look->alpha = value == 1;
 }
@@ -276,6 +281,18 @@ static void unassociate(float pixel[4])
     for (int c = 0; c < 3; c++) pixel[c] = pixel[3] > 0 ? pixel[c] / pixel[3] : 0;
 }
 
+static void balance_white(double kelvin, Image *shown)
+{
+    float m[3][3];
+    if (!(kelvin > 0)) return;
+    white_balance(kelvin, m);
+    for (size_t i = 0; i < (size_t)shown->width * shown->height; i++) {
+        float *p = shown->pixels + shown->n_channels * i, rgb[3];
+        for (int c = 0; c < 3; c++) rgb[c] = m[c][0] * p[0] + m[c][1] * p[1] + m[c][2] * p[2];
+        for (int c = 0; c < 3; c++) p[c] = rgb[c];
+    }
+}
+
 Status image_for_display(const Image *image, const ColorConfig *color, const ColorLook *look, Image *shown,
                          Error *error)
 {
@@ -293,6 +310,7 @@ Status image_for_display(const Image *image, const ColorConfig *color, const Col
         if (n_shown == 4) unassociate(pixel);
     }
     ColorLook found = output_look_for(image, look);
+    balance_white(found.white_balance, shown);
     Status status = color_view(color, &found, shown, error);
     if (status != STATUS_OK) image_clear(shown);
     return status;

@@ -56,11 +56,11 @@ typedef struct OutputClaim {
 ATTR_NODISCARD Status output_check_claims(const OutputClaim *claims, size_t n, Error *error);
 /* As outputs_probe, for one path, also of other files than pictures. STATUS_USAGE for a file that was read. */
 ATTR_NODISCARD Status output_probe(const char *path, Error *error);
-/* What --display, --view, --exposure, --auto-exposure and --alpha say; own: what the scene's film or the picture's file says of the
- * last three, where they say nothing. */
+/* What --display, --view, --exposure, --auto-exposure, --white-balance and --alpha say; own: what the scene's film or the picture's
+ * file says of all but the first two, where they say nothing. */
 ColorLook output_look(const Options *options, const ColorLook *own);
 /* What a film says is noted in the header of its EXR files, for those who show them later. Returns how many attributes. */
-enum { OUTPUT_LOOK_ATTRIBUTES = 3 };
+enum { OUTPUT_LOOK_ATTRIBUTES = 4 };
 size_t output_note_look(const ColorLook *look, ImageAttribute attributes[OUTPUT_LOOK_ATTRIBUTES]);
 /* Takes that from an attribute, if it is one of those; value: its number. */
 void output_find_look(ColorLook *look, const char *name, double value);

@@ -26,19 +26,21 @@ Status render_merge_pixel(RenderRun *run, Error *error)
 static Status print_shown(const RenderRun *run, const float *values, Buf *out, Error *error)
 {
     static const char *const names[] = {"R", "G", "B"};
-    Image pixel;
+    Image pixel, shown;
     int rgb[3];
     ColorLook look = render_look(run);
     if (!image_rgb(&run->image, rgb) || look.exposure.automatic)
         return STATUS_OK; /* the whole picture would say by how much */
     TRY(image_new(1, 1, names, 3, &pixel, error));
     for (int c = 0; c < 3; c++) pixel.pixels[c] = values[rgb[c]];
-    Status status = color_view(run->input.color.config, &look, &pixel, error);
+    look.alpha = false;
+    Status status = image_for_display(&pixel, run->input.color.config, &look, &shown, error);
     if (status == STATUS_OK) {
         buf_add(out, "display #");
-        for (int c = 0; c < 3; c++) buf_format(out, "%02x", image_byte(pixel.pixels[c]));
+        for (int c = 0; c < 3; c++) buf_format(out, "%02x", image_byte(shown.pixels[c]));
         buf_add(out, "\n");
     }
+    image_clear(&shown);
     image_clear(&pixel);
     return status;
 }

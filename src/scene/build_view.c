@@ -244,6 +244,7 @@ void build_film(Builder *b, const EvalNode *node)
     film->box = strcmp(eval_word(node, "filter"), "box") == 0;
     film->exposure.stops = eval_number(node, "exposure");
     film->exposure.automatic = eval_truth(node, "auto_exposure");
+    film->white_balance = eval_prop(node, "white_balance") ? eval_number(node, "white_balance") : 0;
     film->alpha = eval_truth(node, "alpha");
     build_aovs(b, eval_prop(node, "aovs"));
     const EvalProp *output = eval_prop(node, "output");

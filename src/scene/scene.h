@@ -216,9 +216,10 @@ typedef struct SceneFilm {
     const char *const *outputs;
     uint32_t n_outputs;
     AovSet aovs;
-    Exposure exposure; /* of pictures for a display */
-    bool alpha;        /* such pictures keep their alpha, and are not over black */
-    bool box;          /* a pixel is the mean over its own area; else a tent, which reaches half over its neighbours */
+    Exposure exposure;    /* of pictures for a display */
+    double white_balance; /* the temperature of the light that these show as white, K; 0: colours are as they are */
+    bool alpha;           /* such pictures keep their alpha, and are not over black */
+    bool box; /* a pixel is the mean over its own area; else a tent, which reaches half over its neighbours */
 } SceneFilm;
 
 /* Whether light from small lights through clear objects is looked for before rendering. */

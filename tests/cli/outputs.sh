@@ -603,6 +603,42 @@ run render cut.mns -o cut.png -q
 says_not err "is opaque"
 end
 
+begin "--white-balance: light of that temperature is white in PNG files; EXR files keep it, and note what their film says"
+cat > warm.mns <<'SCENE'
+meniscus 1.0 unit m
+sphere { radius = 1  surface = surface { albedo = .5 } }
+environment { color = blackbody(2700) }
+camera { from = <0, 0, 5>  to = <0, 0, 0>  fov = 20 }
+film { size = <8, 8>  white_balance = 2700 }
+render { samples = 16 }
+SCENE
+spread() { "$python" -c 'import re; h = re.search("display #(.*)", open("out").read())[1]; v = [int(h[i:i + 2], 16) for i in (0, 2, 4)]; print(max(v) - min(v))'; }
+run render warm.mns --pixel 4,4
+[ "$(spread)" -le 4 ] || flunk "not grey: $(cat out)"
+run render warm.mns --pixel 4,4 --white-balance off
+[ "$(spread)" -ge 40 ] || flunk "grey without a balance: $(cat out)"
+run render warm.mns -o warm.exr -o warm.png -q
+run view warm.exr -o viewed.png
+cmp -s warm.png viewed.png || flunk "view does not know the film's white balance"
+run view warm.exr -o off.png --white-balance off
+run render warm.mns -o plain.png -q --white-balance off
+cmp -s off.png plain.png || flunk "off is not the same in view and render"
+cmp -s off.png warm.png && flunk "a white balance changes nothing"
+run view warm.exr -o other.png --white-balance 5000K
+exits 0
+for wrong in 0 999 40001 warm 2700C; do
+    run view warm.exr -o other.png --white-balance $wrong
+    exits 2
+    says err "is not a temperature from 1000 to 40000 kelvin, such as 2700, or off"
+done
+run render warm.mns -o part1.exr --sample-range 1..8 -q
+run render warm.mns -o part2.exr --sample-range 9..16 -q
+run merge -o merged.png part1.exr part2.exr
+cmp -s merged.png warm.png || flunk "merge does not know the film's white balance"
+run check warm.mns --set film.white_balance=500
+exits 3
+end
+
 begin "a picture that is nearly black: a remark, with what to do; for EXR alone where nothing of it is to be seen; none where a little of it is bright, nor with -q"
 cat > dim.mns <<'SCENE'
 meniscus 1.0 unit cm

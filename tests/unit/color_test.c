@@ -11,6 +11,7 @@
 #include "near.h"
 #include "optics/spectral_lines.h"
 #include "optics/observer.h"
+#include "optics/white_balance.h"
 
 static void observer_adds_up(void **unused)
 {
@@ -421,6 +422,46 @@ static void reflectances_have_colors(void **unused)
     assert_true(worst < 0.012 && sqrt(squares) < 0.003);
 }
 
+static void apply(float matrix[3][3], const double rgb[3], double balanced[3])
+{
+    for (int i = 0; i < 3; i++) {
+        balanced[i] = 0;
+        for (int k = 0; k < 3; k++) balanced[i] += (double)matrix[i][k] * rgb[k];
+    }
+}
+
+/* A light of that temperature becomes grey of its own luminance; and by 2856 K the illuminant A does, for which the Bradford matrix
+ * from A to D65 is published (B. Lindbloom: 0.8446965 -0.1179225 0.3948108, -0.1366303 1.1041226 0.1291718, 0.0798489 -0.1348999
+ * 3.1924009, of XYZ). */
+static void light_is_shown_white(void **unused)
+{
+    (void)unused;
+    static const double published[3][3] = {
+        {0.8446965, -0.1179225, 0.3948108}, {-0.1366303, 1.1041226, 0.1291718}, {0.0798489, -0.1348999, 3.1924009}};
+    float table[SPECTRUM_SAMPLES], matrix[3][3];
+    for (double kelvin = WHITE_BALANCE_MIN_K; kelvin <= WHITE_BALANCE_MAX_K; kelvin *= 1.3) {
+        Spectrum light = spectrum_blackbody(kelvin, table);
+        double rgb[3], balanced[3];
+        color_from_spectrum(&light, rgb);
+        white_balance(kelvin, matrix);
+        apply(matrix, rgb, balanced);
+        for (int c = 0; c < 3; c++) assert_near(balanced[c], spectrum_luminance(&light), 2e-4);
+    }
+    /* the same in XYZ: of each primary what it becomes, by both ways */
+    white_balance(2856, matrix);
+    for (int c = 0; c < 3; c++) {
+        /* rgb_from_xyz of the published one's columns against the matrix of those: m R = R p */
+        for (int row = 0; row < 3; row++) {
+            double ours = 0, theirs = 0;
+            for (int k = 0; k < 3; k++) {
+                ours += (double)matrix[row][k] * observer_rgb_from_xyz[k][c];
+                theirs += observer_rgb_from_xyz[row][k] * published[k][c];
+            }
+            assert_near(ours, theirs, 4e-3 * fabs(theirs) + 2e-4);
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -435,6 +476,7 @@ int main(void)
         cmocka_unit_test(lines_in_rows_are_exact),
         cmocka_unit_test(rows_keep_what_tables_mean),
         cmocka_unit_test(luminance_weighs),
+        cmocka_unit_test(light_is_shown_white),
         cmocka_unit_test(spectral_locus),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
