@@ -107,6 +107,16 @@ size_t file_count_reads(void)
     return n;
 }
 
+const char *file_read_path(size_t number)
+{
+    const char *path = NULL;
+    pthread_mutex_lock(&reads.lock);
+    for (size_t i = 0; i < reads.n && !path; i++)
+        if (reads.items[i].version.there && number-- == 0) path = reads.items[i].path;
+    pthread_mutex_unlock(&reads.lock);
+    return path;
+}
+
 const char *file_find_changed(void)
 {
     const char *changed = NULL;

@@ -18,6 +18,9 @@ void file_note_missing(const char *path);
 bool file_was_read(const char *path);
 /* How many were read; the missing ones do not count. */
 size_t file_count_reads(void);
+/* The path of one of these by its number, in the order in which they were read first; NULL: there are not as many. Good until
+ * file_forget_reads. */
+const char *file_read_path(size_t number);
 /* The path of the first of them that is another file now, larger, newer, or gone; or there at last. NULL: all are as they were.
  * Good until file_forget_reads. */
 const char *file_find_changed(void);

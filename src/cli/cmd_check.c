@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include <stdio.h>
 
+#include "base/file_reads.h"
 #include "base/hash.h"
 #include "check/report.h"
 #include "check/sight_line.h"
@@ -58,6 +59,22 @@ static void print_report(void *context)
     check->built = true;
 }
 
+/* A line for each file that was read. */
+static void list_files(Buf *out)
+{
+    const char *path;
+    for (size_t i = 0; (path = file_read_path(i)) != NULL; i++) buf_format(out, "%s\n", path);
+}
+
+static void list_files_json(JsonWriter *json)
+{
+    const char *path;
+    json_key(json, "files");
+    json_begin_array(json);
+    for (size_t i = 0; (path = file_read_path(i)) != NULL; i++) json_text(json, path);
+    json_end(json);
+}
+
 /* One object: the diagnostics, and the report, which is null for a scene that could not be built. */
 static void print_json(void *context)
 {
@@ -74,6 +91,7 @@ static void print_json(void *context)
     json_add_whole(&json, "errors", diag->n_errors);
     json_add_whole(&json, "warnings", diag->n_warnings);
     json_add_whole(&json, "remarks", diag->n_remarks);
+    list_files_json(&json);
     json_key(&json, "diagnostics");
     json_raw(&json, buf_text(&diagnostics));
     json_key(&json, "report");
@@ -188,6 +206,7 @@ static Status examine(Check *check, const Options *options, Error *error)
 /* What was found goes out also when the scene has errors; only when nothing could be read there is nothing to say. */
 static Status print_findings(Check *check, bool quiet, Error *error)
 {
+    const bool files = option_given(check->input.options, OPTION_FILES);
     if (check->as_json) {
         TRY(scene_input_guard(&check->input, print_json, check, error));
         TRY(print_out(&check->out, error));
@@ -195,6 +214,8 @@ static Status print_findings(Check *check, bool quiet, Error *error)
         return check->input.diag.n_errors ? STATUS_SCENE : STATUS_OK;
     }
     TRY(scene_input_print_reports(&check->input, error));
+    if (files) list_files(&check->out);
+    if (files) return print_out(&check->out, error);
     if (quiet || !check->built) return STATUS_OK;
     return print_out(&check->report, error);
 }

@@ -296,6 +296,33 @@ says err '[unknown-camera]'
 says err "did you mean 'side'?"
 end
 
+begin "check --files: what a scene reads"
+mkdir -p parts && printf 'meniscus 1.0 unit mm\nmedium glass { ior = 1.5  state = solid }\n' > parts/glass.mns
+cp "$root"/examples/assets/ice1.ply parts/ice.ply
+cat > whole.mns <<'SCENE'
+meniscus 1.0 unit mm
+use "parts/glass.mns" as glass
+use "std/media.mns" as media
+mesh { file = "parts/ice.ply"  interior = glass.glass }
+environment { }
+camera { from = <0, 0, 100>  to = <0, 0, 0> }
+SCENE
+run check whole.mns --files
+exits 0
+[ "$(cat out)" = "whole.mns
+parts/glass.mns
+parts/ice.ply" ] || flunk "$(cat out)"
+run check whole.mns --json
+"$python" -c '
+import json
+assert json.load(open("out"))["files"] == ["whole.mns", "parts/glass.mns", "parts/ice.ply"]
+' || flunk "the files in JSON"
+rm parts/ice.ply
+run check whole.mns --files
+exits 3
+[ ! -s out ] || flunk "a list that is not whole"
+end
+
 begin "check --ray: where light goes, surface by surface, and drawn into a slice"
 cat > lens.mns <<'SCENE'
 meniscus 1.0 unit mm
