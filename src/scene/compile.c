@@ -208,6 +208,24 @@ static void note_circle(const CompiledScene *compiled, uint32_t first, Diag *dia
     }
 }
 
+/* Of the hulls on a circle that overlap and are of one medium, the pair whose smaller one is largest; NULL: there is none. Of things in
+ * one of both that reach into the other one the rules say that one is on top of them, and the other one is not. */
+static const HullPair *find_parts_of_one(const CompiledScene *compiled, uint32_t circle)
+{
+    const HullPair *found = NULL;
+    double largest = 0;
+    for (size_t i = 0; i < compiled->n_pairs; i++) {
+        const HullPair *pair = &compiled->pairs[i];
+        const NestHull *a = &compiled->hulls[pair->a], *b = &compiled->hulls[pair->b];
+        if (compiled->order.circle[pair->a] != circle || compiled->order.circle[pair->b] != circle) continue;
+        if (a->medium != b->medium || pair->relation != NEST_PARTIAL || !(fmin(a->volume, b->volume) > largest))
+            continue;
+        largest = fmin(a->volume, b->volume);
+        found = pair;
+    }
+    return found;
+}
+
 static void report_circles(const CompiledScene *compiled, Diag *diag)
 {
     for (uint32_t circle = 1; circle <= compiled->order.n_circles; circle++) {
@@ -223,7 +241,16 @@ static void report_circles(const CompiledScene *compiled, Diag *diag)
                         "smaller volume is taken to be on top",
                         (unsigned)n);
         note_circle(compiled, first, diag, report);
-        diag_hint(diag, report, "give one of them a priority; the larger is on top");
+        const HullPair *parts = find_parts_of_one(compiled, circle);
+        if (parts)
+            diag_hint(diag, report,
+                      "give one of them a priority; the larger is on top; or, where %s and %s, both %s, are to hold "
+                      "together what is "
+                      "in them, write: union { interior = ... }, with both of them in it",
+                      hull_name(compiled, parts->a), hull_name(compiled, parts->b),
+                      compiled->scene->media[compiled->hulls[parts->a].medium].name);
+        else
+            diag_hint(diag, report, "give one of them a priority; the larger is on top");
     }
 }
 
