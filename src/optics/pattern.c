@@ -182,11 +182,14 @@ static double seen(double frequency, double footprint)
     return clamp_unit(2 - 2 * frequency * footprint);
 }
 
-/* Another part of the same noise for each octave, so that their lattices do not meet at the origin. */
+/* Another part of the same noise for each octave, so that their lattices do not meet. Noise is 0 where these have points, and its
+ * slopes along them are alike: on a floor that lies in a plane of them squares are seen. So they are turned, about <1, 1, 1> by 60
+ * degrees, and no axis of the pattern is one of theirs. */
 static Vec3 octave_point(Vec3 p, double frequency, unsigned octave)
 {
-    double shift = 17.31 * octave;
-    return vec3(p.x * frequency + shift, p.y * frequency + shift, p.z * frequency + shift);
+    const double third = frequency / 3, shift = 5.17 + 17.31 * octave;
+    return vec3((2 * p.x - p.y + 2 * p.z) * third + shift, (2 * p.x + 2 * p.y - p.z) * third + shift,
+                (2 * p.y + 2 * p.z - p.x) * third + shift);
 }
 
 /* What is around a value by that deviation, as a normal distribution has it, in parts of one size: a step of a ramp is to have as
