@@ -314,6 +314,7 @@ static BsdfSpec white_cover(const BsdfSpec *spec)
     white.base_metalness = metal > 0 ? metal / (metal + rest) : 0;
     white.transmission_weight = white.translucency = 0;
     white.measured_metal = false;
+    white.film_thickness_nm = -1;
     white.base_color = white.coat_color = white.fuzz_color = spectrum_constant(1);
     return white;
 }

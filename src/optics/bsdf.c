@@ -94,6 +94,14 @@ static void add_facets(Bsdf *bsdf, float share, const BsdfConductor *like, float
     note_opaque(bsdf, lobe, conductor->mean, conductor->facets.smooth);
 }
 
+void bsdf_add_filmed_conductor(Bsdf *bsdf, float share, Lanes n, Lanes k, const Film *film, float alpha_x,
+                               float alpha_y)
+{
+    const BsdfConductor filmed = {
+        .n = n, .k = k, .mean = film_mean_reflectance(film, lanes_all(1), n, k), .filmed = true, .film = *film};
+    add_facets(bsdf, share, &filmed, alpha_x, alpha_y);
+}
+
 void bsdf_add_conductor(Bsdf *bsdf, float share, Lanes n, Lanes k, float alpha_x, float alpha_y)
 {
     add_facets(bsdf, share, &(BsdfConductor){.n = n, .k = k, .mean = fresnel_conductor_mean(n, k)}, alpha_x, alpha_y);
@@ -128,7 +136,7 @@ void bsdf_add_plastic_kept(Bsdf *bsdf, float share, const BsdfLayer *skin, Lanes
     note_opaque(bsdf, lobe, lobe->as.plastic.base.albedo, false);
 }
 
-void bsdf_add_sheet(Bsdf *bsdf, float share, Lanes eta, float alpha_x, float alpha_y, Lanes tint, Lanes phase)
+void bsdf_add_sheet(Bsdf *bsdf, float share, Lanes eta, float alpha_x, float alpha_y, Lanes tint, const Film *film)
 {
     BsdfLobe *lobe = add_lobe(bsdf, BSDF_SHEET, share);
     if (!lobe) return;
@@ -137,8 +145,8 @@ void bsdf_add_sheet(Bsdf *bsdf, float share, Lanes eta, float alpha_x, float alp
     sheet->eta = eta;
     sheet->depth = layer_depth(tint);
     sheet->tinted = !lanes_zero(sheet->depth);
-    sheet->phase = phase;
-    sheet->film = !lanes_zero(phase);
+    sheet->filmed = film != NULL;
+    if (film) sheet->film = *film;
     sheet->brightness[0] = sheet->brightness[1] = 1;
     if (!sheet->facets.smooth) {
         sheet->mirrors = mirrors_make(&sheet->facets);
@@ -168,6 +176,7 @@ void bsdf_add_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, float 
     BsdfBoundary *boundary = &lobe->as.boundary;
     boundary->facets = facets_make(alpha_x, alpha_y);
     boundary->known[0] = boundary->known[1] = NULL;
+    boundary->filmed = false;
     boundary->eta_i = eta_i;
     boundary->eta_t = eta_t;
     bsdf->transmits = true;
@@ -208,6 +217,15 @@ void bsdf_add_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, float 
         lanes_set(&boundary->transmitted_norm, i, transmitted / (SAMPLING_PI * mean_there));
         lanes_set(&boundary->reflected_norm, i, (1 - transmitted) / (SAMPLING_PI * mean_here));
     }
+}
+
+void bsdf_add_filmed_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, const Film *film)
+{
+    uint32_t n = bsdf->n_lobes;
+    bsdf_add_boundary(bsdf, share, eta_i, eta_t, 0, 0);
+    if (bsdf->n_lobes == n) return;
+    bsdf->lobes[n].as.boundary.filmed = true;
+    bsdf->lobes[n].as.boundary.film = *film;
 }
 
 void bsdf_begin_coat(Bsdf *bsdf, Lanes eta, float alpha_x, float alpha_y, Lanes tint)

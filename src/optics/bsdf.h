@@ -72,6 +72,9 @@ void bsdf_add_diffuse(Bsdf *bsdf, float share, Lanes albedo, float roughness);
 void bsdf_add_translucent(Bsdf *bsdf, float share, Lanes albedo);
 /* n + i k relative to the medium in front. */
 void bsdf_add_conductor(Bsdf *bsdf, float share, Lanes n, Lanes k, float alpha_x, float alpha_y);
+/* The same with a film on it; all relative to the medium in front. */
+void bsdf_add_filmed_conductor(Bsdf *bsdf, float share, Lanes n, Lanes k, const Film *film, float alpha_x,
+                               float alpha_y);
 /* Facets that reflect all. */
 void bsdf_add_mirrors(Bsdf *bsdf, float share, float alpha_x, float alpha_y);
 /* Not under a coat. A clear layer of relative index eta over a diffuse base; tint: what a crossing of the layer along
@@ -82,10 +85,12 @@ void bsdf_add_plastic(Bsdf *bsdf, float share, Lanes eta, float alpha_x, float a
 void bsdf_add_plastic_kept(Bsdf *bsdf, float share, const BsdfLayer *skin, Lanes albedo, float roughness);
 /* The boundary between the medium of view, eta_i, and the one behind. */
 void bsdf_add_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, float alpha_x, float alpha_y);
+/* A smooth one with a film on it, relative to the vacuum. */
+void bsdf_add_filmed_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, const Film *film);
 /* A dielectric sheet without thickness, all its internal reflections summed; eta relative to the medium on both sides;
- * tint: what one crossing along the normal leaves. Both lobes, reflected and straight on, have the same facets. phase:
- * 0 where it is too thick for interference; else 4 pi n d / wavelength of a film of thickness d. */
-void bsdf_add_sheet(Bsdf *bsdf, float share, Lanes eta, float alpha_x, float alpha_y, Lanes tint, Lanes phase);
+ * tint: what one crossing along the normal leaves. Both lobes, reflected and straight on, have the same facets. film:
+ * NULL where it is too thick for interference; else relative to that medium, and of index eta. */
+void bsdf_add_sheet(Bsdf *bsdf, float share, Lanes eta, float alpha_x, float alpha_y, Lanes tint, const Film *film);
 /* The one clear layer over the diffuse, conductor and mirror lobes that are added until bsdf_end_coat; as in
  * bsdf_add_plastic. */
 void bsdf_begin_coat(Bsdf *bsdf, Lanes eta, float alpha_x, float alpha_y, Lanes tint);

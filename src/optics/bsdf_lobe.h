@@ -8,6 +8,7 @@
 #include "base/lanes.h"
 #include "base/vec3.h"
 #include "optics/direction_grid.h"
+#include "optics/film.h"
 #include "optics/layered.h"
 #include "optics/microfacet.h"
 #include "optics/stretched.h"
@@ -61,6 +62,8 @@ typedef struct BsdfConductor {
     Lanes mean, multiple; /* mean reflectance; the tint of what is reflected more than once */
     bool white;           /* facets reflect all, whatever n and k */
     bool balanced;        /* under a coat, with a balance */
+    bool filmed;          /* with this film on it, all relative to the medium in front */
+    Film film;
 } BsdfConductor;
 
 /* A clear layer that is so thin that light leaves it where it entered, over something opaque. */
@@ -95,6 +98,8 @@ typedef struct BsdfBoundary {
     Lanes reflected_norm, transmitted_norm; /* the same over pi times the mean of what is missing there */
     float spread[2], spread_norm[2];        /* of the directions that are sampled for it: reflected, transmitted */
     const BsdfKnown *known[2];              /* of what is missing, in front and behind; NULL: nothing */
+    bool filmed;                            /* with this film on it, relative to the vacuum; it is smooth then */
+    Film film;
 } BsdfBoundary;
 
 typedef struct BsdfSheet {
@@ -102,8 +107,9 @@ typedef struct BsdfSheet {
     BsdfMirrors mirrors;
     Lanes eta;   /* relative to the medium on both sides */
     Lanes depth; /* as in BsdfLayer */
-    Lanes phase; /* of a film: between two waves reflected by its sides, head on; 0: too thick for that */
-    bool tinted, film;
+    bool tinted;
+    bool filmed; /* so thin that light interferes: this film, relative to that medium */
+    Film film;
     float brightness[2]; /* of what lies in the mirrored direction, and straight on: see fresnel_choice */
 } BsdfSheet;
 

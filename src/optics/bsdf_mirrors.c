@@ -21,12 +21,20 @@ float mirrors_scaling(const BsdfMirrors *mirrors, const BsdfFacets *facets, Vec3
 
 /* ---- conductor ---- */
 
+static Lanes conductor_reflectance(const BsdfConductor *conductor, float cosine)
+{
+    if (conductor->white) return lanes_all(1);
+    if (UNLIKELY(conductor->filmed))
+        return film_reflectance(&conductor->film, cosine, lanes_all(1), conductor->n, conductor->k);
+    return fresnel_conductor(cosine, conductor->n, conductor->k);
+}
+
 void conductor_evaluate(const BsdfConductor *conductor, Vec3f view, Vec3f light, Lanes *f_cos, Lanes *pdf_w)
 {
     *f_cos = *pdf_w = lanes_all(0);
     if (conductor->facets.smooth) return;
     FacetReflection r = facets_reflect(&conductor->facets, view, light);
-    Lanes reflectance = conductor->white ? lanes_all(1) : fresnel_conductor(r.cosine, conductor->n, conductor->k);
+    Lanes reflectance = conductor_reflectance(conductor, r.cosine);
     /* the scaling puts back what white facets miss; coloured ones give back less of it, more saturated */
     float scaling = mirrors_scaling(&conductor->mirrors, &conductor->facets, view, light, &r);
     Lanes scale = lanes_add(lanes_all(1), lanes_scale(conductor->multiple, scaling - 1));
@@ -39,29 +47,12 @@ bool conductor_sample(const BsdfConductor *conductor, Vec3f view, const float u[
     if (!conductor->facets.smooth) return facets_sample_reflection(&conductor->facets, view, u, &sample->direction);
     sample->specular = true;
     sample->direction = mirrored(view);
-    sample->value = conductor->white ? lanes_all(1) : fresnel_conductor(view.z, conductor->n, conductor->k);
+    sample->value = conductor_reflectance(conductor, view.z);
     sample->density = lanes_all(1);
     return true;
 }
 
 /* ---- sheet ---- */
-
-/* What a film reflects whose two sides' waves interfere, the phase between them d: of each polarization
- * 4 R sin^2(d / 2) / ((1 - R)^2 + 4 R sin^2(d / 2)), with R of one side. */
-static float film_reflectance(float cosine, float eta, float phase)
-{
-    float square = 1 - (1 - cosine) * (1 + cosine) / (eta * eta);
-    if (!(square > 0)) return 1;
-    float inside = sqrtf(square), sine = sinf(0.5f * phase * inside);
-    float across = (cosine - eta * inside) / (cosine + eta * inside),
-          along = (eta * cosine - inside) / (eta * cosine + inside);
-    float sum = 0, parts[2] = {across * across, along * along};
-    for (int i = 0; i < 2; i++) {
-        float waves = 4 * parts[i] * sine * sine, rest = 1 - parts[i];
-        sum += 0.5f * waves / (rest * rest + waves + 1e-12f);
-    }
-    return sum;
-}
 
 /* What the whole sheet reflects and transmits of light at an angle to it. Between its sides each polarization keeps to itself:
  * of each the sums of two geometric series, and the means of both. */
@@ -73,9 +64,8 @@ static void sheet_split(const BsdfSheet *sheet, float cosine, Lanes *reflected, 
         Lanes inside = lanes_sqrt(lanes_clamp(lanes_rest(sine_square), 1e-6f, 1));
         through = lanes_exp(lanes_sub(lanes_all(0), lanes_div(sheet->depth, inside)));
     }
-    if (sheet->film) {
-        for (int i = 0; i < LANES; i++)
-            lanes_set(reflected, i, film_reflectance(cosine, lanes_get(sheet->eta, i), lanes_get(sheet->phase, i)));
+    if (sheet->filmed) {
+        *reflected = film_reflectance(&sheet->film, cosine, lanes_all(1), lanes_all(1), lanes_all(0));
         *transmitted = lanes_mul(lanes_rest(*reflected), through);
         return;
     }

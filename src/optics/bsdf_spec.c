@@ -17,6 +17,7 @@ void bsdf_spec_init(BsdfSpec *spec)
         .coat_ior = spectrum_constant(1.6f),
         .fuzz_color = spectrum_constant(1),
         .fuzz_roughness = 0.5f,
+        .film_ior = spectrum_constant(1.4f),
         .film_thickness_nm = -1,
     };
 }
@@ -59,6 +60,13 @@ static Lanes at(const Making *m, const Spectrum *spectrum)
     return spectrum_at(spectrum, m->nm);
 }
 
+static Film film_of(const Making *m, Lanes medium)
+{
+    const BsdfSpec *spec = m->spec;
+    return film_make(at(m, spec->thin_walled ? &spec->specular_ior : &spec->film_ior), medium, spec->film_thickness_nm,
+                     m->nm);
+}
+
 static void add_metal(const Making *m, float share, Lanes above)
 {
     Lanes n = lanes_all(1), k;
@@ -68,7 +76,12 @@ static void add_metal(const Making *m, float share, Lanes above)
     } else {
         k = metal_of_reflectance(m->base_color);
     }
-    bsdf_add_conductor(m->bsdf, share, n, k, m->alpha_x, m->alpha_y);
+    if (m->spec->film_thickness_nm >= 0) {
+        const Film film = film_of(m, above);
+        bsdf_add_filmed_conductor(m->bsdf, share, n, k, &film, m->alpha_x, m->alpha_y);
+    } else {
+        bsdf_add_conductor(m->bsdf, share, n, k, m->alpha_x, m->alpha_y);
+    }
 }
 
 static void add_dielectric(const Making *m, float share)
@@ -123,15 +136,21 @@ static void add_coated(const Making *m, float metal, float dielectric)
 static void add_clear(const Making *m, float share, Lanes eta_t)
 {
     const BsdfSpec *spec = m->spec;
+    const bool filmed = spec->film_thickness_nm >= 0;
     if (!spec->thin_walled) {
-        bsdf_add_boundary(m->bsdf, share, m->eta_i, eta_t, m->alpha_x, m->alpha_y);
+        const Film film = filmed ? film_of(m, lanes_all(1)) : (Film){lanes_all(1), lanes_all(1)};
+        if (filmed)
+            bsdf_add_filmed_boundary(m->bsdf, share, m->eta_i, eta_t, &film);
+        else
+            bsdf_add_boundary(m->bsdf, share, m->eta_i, eta_t, m->alpha_x, m->alpha_y);
         return;
     }
-    Lanes ior = at(m, &spec->specular_ior), phase = lanes_all(0);
-    if (spec->film_thickness_nm >= 0)
-        phase = lanes_div(lanes_scale(ior, 4 * SAMPLING_PI * float_max(spec->film_thickness_nm, 1e-3f)), m->nm);
-    Lanes eta = bsdf_weakened(lanes_div(ior, m->eta_i), spec->specular_weight);
-    bsdf_add_sheet(m->bsdf, share, eta, m->alpha_x, m->alpha_y, at(m, &spec->transmission_color), phase);
+    Lanes eta = bsdf_weakened(lanes_div(at(m, &spec->specular_ior), m->eta_i), spec->specular_weight);
+    Film film = filmed ? film_of(m, m->eta_i) : (Film){lanes_all(1), lanes_all(1)};
+    film.delay = lanes_mul(film.delay, lanes_div(film.ior, eta)); /* weakened, it is as long on its way */
+    film.ior = eta;
+    bsdf_add_sheet(m->bsdf, share, eta, m->alpha_x, m->alpha_y, at(m, &spec->transmission_color),
+                   filmed ? &film : NULL);
 }
 
 void bsdf_from_spec(const BsdfSpec *spec, Lanes wavelength_nm, Lanes eta_i, Lanes eta_t, const BsdfKept *kept,

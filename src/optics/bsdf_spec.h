@@ -33,10 +33,12 @@ typedef struct BsdfSpec {
     float fuzz_weight;                   /* [0] */
     Spectrum fuzz_color;                 /* [1] */
     float fuzz_roughness;                /* [0.5] */
-    bool thin_walled;        /* what is clear is a sheet, with the medium of the point on both sides [false] */
-    float translucency;      /* thin walls: the part of the diffuse light that comes out on the far side [0] */
-    float mix_weight;        /* of a surface that is a mix of two: the part of the second; not for bsdf_from_spec */
-    float film_thickness_nm; /* thin walls: for interference; below 0: too thick for that [-1] */
+    bool thin_walled;   /* what is clear is a sheet, with the medium of the point on both sides [false] */
+    float translucency; /* thin walls: the part of the diffuse light that comes out on the far side [0] */
+    float mix_weight;   /* of a surface that is a mix of two: the part of the second; not for bsdf_from_spec */
+    Spectrum film_ior;  /* of a film on a boundary or a metal; a thin wall's is specular_ior [1.4] */
+    float
+        film_thickness_nm; /* a thin wall's own, or that of a film on what is smooth and clear, or metal; below 0: none [-1] */
 } BsdfSpec;
 
 void bsdf_spec_init(BsdfSpec *spec);

@@ -40,6 +40,7 @@ static const Parameter parameters[] = {
     {"coat_anisotropy", PARAMETER_NUMBER, offsetof(BsdfSpec, coat_roughness_anisotropy)},
     {"coat_tint", PARAMETER_COLOR, offsetof(BsdfSpec, coat_color)},
     {"film", PARAMETER_NANOMETRES, offsetof(BsdfSpec, film_thickness_nm)},
+    {"film_ior", PARAMETER_INDEX, offsetof(BsdfSpec, film_ior)},
     {"weight", PARAMETER_NUMBER, offsetof(BsdfSpec, mix_weight)},
     {"fuzz", PARAMETER_NUMBER, offsetof(BsdfSpec, fuzz_weight)},
     {"fuzz_color", PARAMETER_COLOR, offsetof(BsdfSpec, fuzz_color)},
@@ -207,6 +208,7 @@ static const Need needs[] = {
     {"fuzz_color", "fuzz", FUZZ},
     {"fuzz_roughness", "fuzz", FUZZ},
     {"translucency", "thin", "without thin = true", "a leaf: thin = true  albedo = rgb(.2, .4, .1)  translucency = .5"},
+    {"film_ior", "film", "without a 'film'", "as on a lens: film = 100nm  film_ior = 1.38"},
     {"weight", "mix", "without a 'mix'", "a mixture of two: mix = [a, b]"},
 };
 
@@ -217,16 +219,24 @@ static const Need needs[] = {
 /* What only panes have, which are thin and let light through. */
 static void check_pane(Builder *b, const EvalNode *node, bool thin, bool pane)
 {
-    static const struct {
-        const char *property, *hint;
-    } rows[] = {{"tint", TINTS ", what is matte an albedo"}, {"film", "as a soap film has it: " FILM}};
     const char *without = thin   ? "without 'transmission'"
                           : pane ? "without thin = true"
                                  : "without thin = true and 'transmission'";
-    for (size_t i = 0; i < COUNT_OF(rows); i++) {
-        Diagnostic *report = build_needs(b, node, rows[i].property, without);
-        if (report && !thin) diag_hint(b->diag, report, "%s", rows[i].hint);
-    }
+    Diagnostic *report = build_needs(b, node, "tint", without);
+    if (report && !thin) diag_hint(b->diag, report, "%s", TINTS ", what is matte an albedo");
+}
+
+static bool has_metal(const EvalNode *node)
+{
+    return eval_prop(node, "metal") || eval_prop(node, "metalness");
+}
+
+/* What is thin is a film itself, of its own index. */
+static void check_thin_film(Builder *b, const EvalNode *node)
+{
+    if (!has_metal(node) && !eval_prop(node, "transmission")) build_needs(b, node, "film", "without 'transmission'");
+    Diagnostic *report = has_metal(node) ? NULL : build_needs(b, node, "film_ior", "of what is thin");
+    if (report) diag_hint(b->diag, report, "it is a film as a whole: its index is its ior");
 }
 
 /* A coat lies over what is opaque of a thin surface. */
@@ -252,6 +262,7 @@ static void check_needs(Builder *b, const EvalNode *node)
         if (report) diag_hint(b->diag, report, "%s", need->hint);
     }
     if (!thin || !pane) check_pane(b, node, thin, pane);
+    if (thin) check_thin_film(b, node);
     check_coat_of_pane(b, node);
     bool all_metal = eval_prop(node, "metal") && !eval_prop(node, "metalness");
     for (size_t i = 0; all_metal && i < COUNT_OF(of_metal); i++) build_exclude(b, node, "metal", of_metal[i]);
@@ -312,7 +323,9 @@ static void finish_of(Builder *b, const EvalNode *node, SceneSurface *surface)
     spec->thin_walled = surface->thin = eval_truth(node, "thin");
     surface->grain = grain_of(node);
     surface->grain_angle = eval_number(node, "grain_angle") * MEN_DEGREE;
-    surface->painted = eval_prop(node, "transmission") && !spec->thin_walled;
+    const bool filmed = eval_prop(node, "film") && !has_metal(node), parted = eval_prop(node, "transmission");
+    if (filmed && !spec->thin_walled && !parted) spec->transmission_weight = 1;
+    surface->painted = (parted || filmed) && !spec->thin_walled;
     surface->finished = ior || spec->base_metalness > 0 || spec->coat_weight > 0 || spec->base_diffuse_roughness > 0 ||
                         spec->thin_walled || spec->fuzz_weight > 0;
 }
@@ -342,8 +355,9 @@ static void check_catcher(Builder *b, const EvalNode *node, const SceneSurface *
 /* Whether a clear object's surface can have that. */
 static bool clear_has(const char *property)
 {
-    static const char *const properties[] = {"roughness",   "anisotropy", "grain",           "grain_angle", "bump",
-                                             "bump_height", "normal_map", "normal_strength", "normal_y"};
+    static const char *const properties[] = {"roughness", "anisotropy",  "grain",      "grain_angle",
+                                             "bump",      "bump_height", "normal_map", "normal_strength",
+                                             "normal_y",  "film",        "film_ior"};
     for (size_t i = 0; i < COUNT_OF(properties); i++)
         if (strcmp(property, properties[i]) == 0) return true;
     return false;
@@ -368,9 +382,6 @@ static void check_boundary(Builder *b, const EvalNode *node, Span where)
         if (coat)
             diag_hint(b->diag, report,
                       "a coat on glass is a medium of its own: put a slightly larger object around this one");
-        else if (strcmp(name, "film") == 0)
-            diag_hint(b->diag, report,
-                      "light interferes in thin surfaces: put one close around it, surface { " FILM " }");
         else if (strcmp(name, "tint") == 0)
             diag_hint(b->diag, report, TINTS);
         else if (strcmp(name, "ior") == 0)
@@ -384,6 +395,13 @@ static void check_boundary(Builder *b, const EvalNode *node, Span where)
                       "opaque is what has no interior: interior = none, where a prototype has one; transmission = .5 "
                       "makes it half clear and half painted, 0 all painted");
         break;
+    }
+    const EvalProp *rough = eval_prop(node, "roughness");
+    if (rough && eval_prop(node, "film") && (rough->textured || rough->as.number > 0)) {
+        Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, rough->span,
+                                         "a film lies on what is smooth of a clear object, and this is rough");
+        diag_hint(b->diag, report,
+                  "leave one of both out; bumps can be under a film: bump = noise { }  bump_height = .01mm");
     }
     if (node->n_props > 0) return;
     Diagnostic *report = diag_report(b->diag, D_CONFLICTING_PROPERTIES, where,
@@ -406,6 +424,13 @@ static void check_opaque(Builder *b, const EvalNode *node)
         if (report)
             diag_hint(b->diag, report, "a pane of glass: ior = 1.5; where a sheet has holes: ior = 1  specular = 0");
     }
+    Diagnostic *filmed =
+        thin || has_metal(node) ? NULL : build_needs(b, node, "film", "on what is opaque and no metal");
+    if (filmed)
+        diag_hint(b->diag, filmed,
+                  "it lies on a metal, metal = titanium  film = 60nm  film_ior = 2.4, or on what has an interior; or "
+                  "it is a thin "
+                  "surface: " FILM);
     static const struct {
         const char *property;
         double none; /* what says of a matte surface that it is one */

@@ -252,6 +252,7 @@ static uint64_t surface_hash(const SceneSurface *surface, const Rows *rows)
     add_spectrum(&h, &spec->fuzz_color);
     add_spectrum(&h, &spec->specular_ior);
     add_spectrum(&h, &spec->coat_ior);
+    add_spectrum(&h, &spec->film_ior);
     add_spectrum(&h, &spec->coat_color);
     if (spec->measured_metal) {
         add_spectrum(&h, &spec->metal_n);

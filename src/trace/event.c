@@ -549,11 +549,13 @@ static inline StraightEnd cross_straight(Path *path, const Ray *ray, const Hit *
     if (UNLIKELY(world->has_panes)) {
         size_t n_hulls = 0;
         for (size_t i = 0; i < n; i++) n_hulls += world->compiled->hull_of_object[hits[i].object] != SCENE_NONE;
-        if (n_hulls < n) {
+        const bool combined = crossing.opaque && n == 1 && path_is_pane(world, hits->object, n);
+        if (n_hulls < n || combined) {
             /* a path that goes this way counts each of them, too */
             if (path->n_counted + ++straight->n_panes > world->max_bounces) return STRAIGHT_BLOCKED;
             straight->panes = lanes_mul(straight->panes, path_pass_panes(path, ray, hits, n, straight->medium));
         }
+        if (combined) crossing.opaque = false;
         if (!n_hulls) crossing.medium_from = crossing.medium_to = straight->medium;
         if (lanes_zero(straight->panes)) return STRAIGHT_BLOCKED;
     }

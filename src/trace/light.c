@@ -131,14 +131,26 @@ static double ball_radius(const Scene *scene, const Emitter *emitter)
     return emitter_piece(scene, emitter)->r0 * vec3_length(affine_vector(to_world, vec3(1, 0, 0)));
 }
 
+/* As aim_at_cut, of the place that a ball was sampled at: a float direction is off by so much of the way, too. */
+static void aim_at_cut_ball(const Scene *scene, const Emitter *emitter, Vec3 from, LightSample *sample)
+{
+    const double of_distance = 4e-7, least_cosine = 1e-9;
+    const Vec3 center = scene->objects[emitter->of].to_world.t, along = vec3_from_f(sample->direction);
+    const double radius = ball_radius(scene, emitter), distance = sample->distance + sample->short_of;
+    const Vec3 out = vec3_sub(vec3_along(from, distance, along), center);
+    const double cosine = double_max(fabs(vec3_dot(out, along)) / radius, least_cosine);
+    const double beside = of_distance * distance + 2 * rtc_rounding(vec3(vec3_max_abs(center) + radius, 0, 0));
+    const double off = double_min(beside / cosine, 0.5 * distance);
+    sample->distance = distance - off; /* its near side, too */
+    sample->slack = (float)(2 * off / sample->distance) + 1e-6f;
+}
+
 static void sample_ball(const World *world, const Emitter *emitter, const LightQuery *query, LightSample *sample)
 {
     const Scene *scene = world->scene;
     sample_sphere(emitter->of, ball_radius(scene, emitter), scene->objects[emitter->of].to_world.t, query->from,
                   query->u, sample);
-    if (LIKELY(!emitter->cut)) return;
-    sample->distance *= 1 - 1e-5; /* its near side, too */
-    sample->slack = 3e-5f;
+    if (UNLIKELY(emitter->cut) && sample->pdf_w > 0) aim_at_cut_ball(scene, emitter, query->from, sample);
 }
 
 /* A direction in the frame of a light. Between two places that it turns through the frame is squeezed; what the light

@@ -24,6 +24,11 @@ static inline SurfacePlace path_place(const Path *path, const Event *event)
 {
     return path_place_of(path->tracer->world, &path->ray, &event->hit);
 }
+/* Whether straight rays go on through a surface that is there with n in all: a pane, of a combination where it is alone. */
+static inline bool path_is_pane(const World *world, uint32_t object, size_t n)
+{
+    return scene_is_pane(world->scene, object) && (n == 1 || world->scene->objects[object].part_of == SCENE_NONE);
+}
 /* A light to look at from a place; choices, normal: as light_sample takes them. */
 void path_choose_light(const Path *path, const LightChoices *choices, Vec3 from, Vec3f normal, LightSample *light);
 /* What may be chosen where the path is scattered. any: whatever the medium: light may come from the other side of a surface, or

@@ -388,7 +388,7 @@ bool path_shade_finished(Path *path, Event *event, const SceneSurface *surface, 
         if (path_look_ahead(path, place, around, brightness)) bsdf_set_brightness(&bsdf, brightness);
     }
     Frame frame = frame_of(path, event, surface, spec, place);
-    *straight = surface_is_pane(surface) && scene_is_pane(world->scene, event->hit.object);
+    *straight = surface_is_pane(surface) && path_is_pane(world, event->hit.object, event->n_cluster);
     return scatter(path, event, &bsdf, place, &frame, straight);
 }
 
@@ -425,7 +425,8 @@ Lanes path_pass_panes(const Path *path, const Ray *ray, const Hit *hits, size_t 
 {
     const World *world = path->tracer->world;
     Lanes left = lanes_all(1), around = medium_ior(world, medium, path->wavelengths.nm);
-    const Hit *met = ties_met(world->compiled, hits, n); /* as a path that comes here meets no other one */
+    const Hit *met =
+        n == 1 ? hits : ties_met(world->compiled, hits, n); /* as a path that comes here meets no other one */
     for (size_t i = 0; i < n; i++) {
         const Hit *hit = &hits[i];
         if (!met || hit->object != met->object) continue;

@@ -89,7 +89,7 @@ bool slab_look_at_face(Path *look, const Event *event, SlabFace *face)
 bool slab_cross_pane(Path *look, Event *event)
 {
     Tracer *tracer = look->tracer;
-    if (!scene_is_pane(tracer->world->scene, event->hit.object)) return false;
+    if (!path_is_pane(tracer->world, event->hit.object, event->n_cluster)) return false;
     SurfacePlace place = path_place(look, event);
     look->beta = lanes_mul(look->beta, path_pass_panes(look, &look->ray, tracer->hits.items, event->n_cluster,
                                                        nest_medium(&tracer->list)));
