@@ -18,7 +18,8 @@ typedef struct Contact {
 
 static bool is_opaque(const CompiledScene *compiled, uint32_t object)
 {
-    return compiled->hull_of_object[object] == SCENE_NONE && compiled->scene->objects[object].light == SCENE_NONE;
+    return compiled->hull_of_object[object] == SCENE_NONE && !scene_is_thin(compiled->scene, object) &&
+           compiled->scene->objects[object].light == SCENE_NONE;
 }
 
 /* One end of a line within a hull; normal: outward, of the hull. area: for what the line stands. */

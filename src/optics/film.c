@@ -64,7 +64,7 @@ static float airy(Complex a, Complex b, Complex turn)
 static float airy_real(float a, float b, float cosine)
 {
     const float both = a * b, beside = 2 * both * cosine;
-    return (a * a + b * b + beside) / (1 + both * both + beside + 1e-12f);
+    return fmaxf(a * a + b * b + beside, 0) / (1 + both * both + beside + 1e-12f);
 }
 
 /* Where nothing absorbs, and nothing is reflected totally: in terms of q = n cos of each medium. */

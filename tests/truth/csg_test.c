@@ -128,13 +128,45 @@ static void an_opaque_difference_is_the_mesh(void **state)
     assert_true(sqrt(c.squares) <= 1e-3 * c.sum);
 }
 
+/* A pane lets lamps be looked for through it, and what comes straight through is not counted again; whether it is written as a
+ * combination does not matter. */
+static void a_pane_may_be_a_combination(void **state)
+{
+    (void)state;
+#define PANE "box { from = <-10, 5, -10>  to = <10, 9, 10> }"
+#define CLEAR "surface = surface { thin = true  transmission = 1  ior = 1.5 }"
+#define BELOW                                                                                                          \
+    "light { shape = sphere  from = <0, 30, 0>  radius = 5  radiance = 20 }"                                           \
+    "light { shape = point  from = <15, 40, 9>  intensity = 900 } ground { y = -2  surface = surface { } }"            \
+    "camera { from = <0, 20, 40>  to = <0, 0, 0>  fov = 40 }"
+    expect_same_picture("a pane as a union", HEAD "union { " PANE CLEAR " }" BELOW,
+                        HEAD "box { from = <-10, 5, -10>  to = <10, 9, 10>  " CLEAR " }" BELOW);
+    expect_same_picture(
+        "a pane cut out of a larger one",
+        HEAD "intersection { box { from = <-10, 5, -10>  to = <10, 30, 10> } box { from = <-50, -9, -50>  to = "
+             "<50, 9, 50> } " CLEAR " }" BELOW,
+        HEAD "box { from = <-10, 5, -10>  to = <10, 9, 10>  " CLEAR " }" BELOW);
+}
+
+/* Looks at a place of a ball that is an operand come to it, however near it is. */
+static void a_glowing_operand_lights_what_it_touches(void **state)
+{
+    (void)state;
+#define GLOW "surface = surface { albedo = 0  emission = 1  radiance = 3 }  translate(<0, -8, 0>)"
+#define STRIP                                                                                                          \
+    "ground { surface = surface { albedo = .8 } } camera { projection = orthographic  from = <9.14427, 30, 0>  to = "  \
+    "<9.14427, 0, 0>  width = .4  up = <0, 0, -1> }"
+    expect_same_picture("beside a ball that shines, cut by nothing",
+                        HEAD "intersection { sphere { radius = 12 } box { size = <50, 50, 50> } " GLOW " }" STRIP,
+                        HEAD "sphere { radius = 12  " GLOW " }" STRIP);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_difference_is_the_mesh),
-        cmocka_unit_test(a_difference_in_water_is_the_mesh),
-        cmocka_unit_test(a_turned_difference_is_the_lathe),
-        cmocka_unit_test(an_opaque_difference_is_the_mesh),
+        cmocka_unit_test(a_difference_is_the_mesh),         cmocka_unit_test(a_difference_in_water_is_the_mesh),
+        cmocka_unit_test(a_turned_difference_is_the_lathe), cmocka_unit_test(an_opaque_difference_is_the_mesh),
+        cmocka_unit_test(a_pane_may_be_a_combination),      cmocka_unit_test(a_glowing_operand_lights_what_it_touches),
     };
     return cmocka_run_group_tests_name("csg", tests, NULL, NULL);
 }

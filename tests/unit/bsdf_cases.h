@@ -75,6 +75,12 @@ static inline Lanes case_lanes(float centre, float spread, int hero)
     return result;
 }
 
+/* phase: of a way to and fro in it, head on */
+static inline Film case_film(Lanes ior, Lanes phase)
+{
+    return (Film){ior, lanes_div(phase, ior)};
+}
+
 /* behind: as seen from the other side. Returns n^2 of the medium in front; and of the one behind. */
 static inline Lanes case_make(const BsdfCase *c, int hero, bool behind, Bsdf *bsdf, Lanes *square_behind)
 {
@@ -100,10 +106,10 @@ static inline Lanes case_make(const BsdfCase *c, int hero, bool behind, Bsdf *bs
     else if (!strncmp(c->name, "plastic", 7))
         bsdf_add_plastic(bsdf, 1, case_lanes(c->other, c->spread, hero), alpha, alpha_y, tint,
                          case_lanes(0.6f, 0.3f, hero), 0.4f);
-    else if (!strncmp(c->name, "sheet", 5))
-        bsdf_add_sheet(bsdf, 1, case_lanes(c->other, c->spread, hero), alpha, alpha_y, tint,
-                       strstr(c->name, "film") ? case_lanes(9, 0.2f, hero) : lanes_all(0));
-    else if (!strncmp(c->name, "translucent", 11)) {
+    else if (!strncmp(c->name, "sheet", 5)) {
+        const Film film = case_film(case_lanes(c->other, c->spread, hero), case_lanes(9, 0.2f, hero));
+        bsdf_add_sheet(bsdf, 1, film.ior, alpha, alpha_y, tint, strstr(c->name, "film") ? &film : NULL);
+    } else if (!strncmp(c->name, "translucent", 11)) {
         bsdf_add_diffuse(bsdf, 0.4f, case_lanes(0.5f, 0.3f, hero), c->roughness);
         bsdf_add_translucent(bsdf, 0.6f, case_lanes(0.6f, 0.3f, hero));
         if (c->other > 0) bsdf_set_fuzz(bsdf, c->other, case_lanes(0.6f, 0.3f, hero), c->roughness);
@@ -135,7 +141,7 @@ static inline Lanes case_make(const BsdfCase *c, int hero, bool behind, Bsdf *bs
         bsdf_add_conductor(bsdf, 0.2f * c->other, lanes_all(0.2f), case_lanes(3, 0.2f, hero), alpha, alpha);
         bsdf_add_diffuse(bsdf, 0.3f * (1 - c->other), case_lanes(0.5f, 0.3f, hero), 0.5f);
         bsdf_end_coat(bsdf);
-        bsdf_add_sheet(bsdf, 0.7f * (1 - c->other), eta, alpha, alpha, tint, lanes_all(0));
+        bsdf_add_sheet(bsdf, 0.7f * (1 - c->other), eta, alpha, alpha, tint, NULL);
         if (strstr(c->name, "fuzzy")) bsdf_set_fuzz(bsdf, 0.5f, case_lanes(0.8f, 0.1f, hero), 0.3f);
     }
     return front;

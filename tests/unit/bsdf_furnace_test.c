@@ -104,7 +104,7 @@ static void white_surfaces_stay_white(void **unused)
             if (i == 0 || i == 8) bsdf_add_conductor(&bsdf, 1, white, mirror, alpha, alpha);
             if (i == 1) bsdf_add_diffuse(&bsdf, 1, white, r);
             if (i >= 2 && i < 6) bsdf_add_plastic(&bsdf, 1, lanes_all(eta[i - 2]), alpha, alpha, white, white, 0);
-            if (i == 6) bsdf_add_sheet(&bsdf, 1, lanes_all(1.5f), alpha, alpha, white, lanes_all(0));
+            if (i == 6) bsdf_add_sheet(&bsdf, 1, lanes_all(1.5f), alpha, alpha, white, NULL);
             if (i == 7) bsdf_add_diffuse(&bsdf, 1, white, 0);
             bsdf_end_coat(&bsdf);
             double off = departure(&bsdf, 48, &grazing[i]);

@@ -410,7 +410,8 @@ static void nothing_breaks_it(void **unused)
         if (kind == 1) bsdf_add_boundary(&bsdf, 1, eta, lanes_all(1), a, b);
         if (kind == 2) bsdf_add_conductor(&bsdf, 1, awkward_lanes(&state, 0, 4), awkward_lanes(&state, 0, 9), a, b);
         if (kind == 3) bsdf_add_plastic(&bsdf, 1, lanes_div(eta, lanes_all(1.3f)), a, i % 3 ? a : b, color, color, b);
-        if (kind == 4) bsdf_add_sheet(&bsdf, 1, eta, a, b, color, i % 5 ? lanes_all(0) : awkward_lanes(&state, 0, 100));
+        const Film film = case_film(eta, kind == 4 && i % 5 == 0 ? awkward_lanes(&state, 0, 100) : eta);
+        if (kind == 4) bsdf_add_sheet(&bsdf, 1, eta, a, b, color, i % 5 ? NULL : &film);
         if (kind == 5) {
             bsdf_add_diffuse(&bsdf, a, color, b);
             bsdf_add_conductor(&bsdf, b * 0.5f, eta, eta, a, b);
@@ -518,7 +519,8 @@ static void sheets_lean_towards_light(void **unused)
     for (size_t i = 0; i < 4; i++) {
         Bsdf bsdf;
         bsdf_begin(&bsdf);
-        bsdf_add_sheet(&bsdf, 1, lanes_all(1.33f), 0, 0, lanes(1, .9f, .8f, .7f), lanes(9, 11, 13, 15));
+        const Film film = case_film(lanes_all(1.33f), lanes(9, 11, 13, 15));
+        bsdf_add_sheet(&bsdf, 1, film.ior, 0, 0, lanes(1, .9f, .8f, .7f), &film);
         bsdf_set_brightness(&bsdf, bright[i]);
         bsdf_look(&bsdf, direction_at(0.6f, 1));
         for (int k = 0; k < N; k++) {
@@ -548,14 +550,14 @@ static void panes_reflect_each_polarization(void **unused)
         double expected = r_s / (1 + r_s) + r_p / (1 + r_p);
         Bsdf bsdf;
         bsdf_begin(&bsdf);
-        bsdf_add_sheet(&bsdf, 1, lanes_all((float)n), 0, 0, lanes_all(1), lanes_all(0));
+        bsdf_add_sheet(&bsdf, 1, lanes_all((float)n), 0, 0, lanes_all(1), NULL);
         double passed = (double)lanes_get(bsdf_straight(&bsdf, (float)cosine), 0);
         assert_true(fabs(expected - told[i]) < 6e-5);
         assert_true(fabs(1 - passed - expected) < 1e-5);
         /* tinted glass: each part of the light that is within goes through t to the other side */
         const double tint = .5, t = pow(tint, 1 / inside);
         bsdf_begin(&bsdf);
-        bsdf_add_sheet(&bsdf, 1, lanes_all((float)n), 0, 0, lanes_all((float)tint), lanes_all(0));
+        bsdf_add_sheet(&bsdf, 1, lanes_all((float)n), 0, 0, lanes_all((float)tint), NULL);
         expected = .5 * (1 - r_s) * (1 - r_s) * t / (1 - r_s * r_s * t * t) +
                    .5 * (1 - r_p) * (1 - r_p) * t / (1 - r_p * r_p * t * t);
         passed = (double)lanes_get(bsdf_straight(&bsdf, (float)cosine), 0);
