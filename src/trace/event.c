@@ -107,9 +107,7 @@ static uint32_t level_of(const CompiledScene *compiled, const Hit *hit)
     return hull < order->n_hulls ? order->top[hull].level : 0;
 }
 
-/* Which of n surfaces at one place is painted, and seen whatever the media are; NULL: none. Paint shows where the point's
- * owner becomes another, even one of the same medium. from, to: the levels before and behind. */
-ATTR_APART static const Hit *painted_hit(const World *world, const Hit *hits, size_t n, uint32_t from, uint32_t to)
+ATTR_APART const Hit *path_painted_hit(const World *world, const Hit *hits, size_t n, uint32_t from, uint32_t to)
 {
     const CompiledScene *compiled = world->compiled;
     if (from == to && compiled->order.policy != NEST_NONE) return NULL;
@@ -451,7 +449,7 @@ void path_next_event(Path *path, Event *event)
         if (UNLIKELY(world->has_paint)) {
             uint32_t behind =
                 event->behind == BEHIND_IN_NEXT ? tracer->next.point.top.level : event->step.point.top.level;
-            const Hit *painted = painted_hit(world, hits, n, tracer->list.point.top.level, behind);
+            const Hit *painted = path_painted_hit(world, hits, n, tracer->list.point.top.level, behind);
             if (painted) {
                 event->hit = *painted;
                 break;
@@ -560,7 +558,7 @@ static inline StraightEnd cross_straight(Path *path, const Ray *ray, const Hit *
         if (lanes_zero(straight->panes)) return STRAIGHT_BLOCKED;
     }
     if (crossing.opaque || media_differ(path, crossing.medium_from, crossing.medium_to)) return STRAIGHT_BLOCKED;
-    if (UNLIKELY(world->has_paint) && painted_hit(world, hits, n, level, tracer->shadow_list.point.top.level))
+    if (UNLIKELY(world->has_paint) && path_painted_hit(world, hits, n, level, tracer->shadow_list.point.top.level))
         return STRAIGHT_BLOCKED;
     straight->uneven = straight->uneven || uneven_here;
     if (LIKELY(!uneven_here))

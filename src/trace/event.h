@@ -70,6 +70,10 @@ bool path_passes_into_boundary(Path *path, Event *event);
 /* The one of the hits at one place that stands for a boundary there, or for an opaque surface of hulls; before: the list in front. */
 const Hit *path_boundary_hit(Tracer *tracer, const NestList *before, const Hit *hits, size_t n,
                              const NestCrossing *crossing);
+/* Which of n surfaces at one place is painted, and seen whatever the media are; NULL: none. Paint shows where the point's
+ * owner becomes another, even one of the same medium, and not where an operand has no surface of the whole. from, to: the levels
+ * before and behind. */
+const Hit *path_painted_hit(const World *world, const Hit *hits, size_t n, uint32_t from, uint32_t to);
 /* Follows the path's ray through silent crossings to its next event. Absorption goes into beta. At a boundary
  * tracer->list is the list before it; event->behind says what leads to the one behind it, and path_go_behind and path_copy_behind
  * make that. */

@@ -28,12 +28,13 @@ static bool cross_straight(Path *look, const Ray *ray, const Hit *hits, size_t n
     Tracer *tracer = look->tracer;
     const World *world = tracer->world;
     NestCrossing crossing;
-    for (size_t i = 0; i < n && world->has_paint; i++)
-        if (scene_is_painted(world->scene, hits[i].object)) return false;
+    const uint32_t level = tracer->list.point.top.level;
     if (n > 1 && nest_list_copy(&tracer->next, &tracer->list) != STATUS_OK) tracer->out_of_memory = true;
     if (!path_cross(tracer, &tracer->list, hits, n, &crossing)) tracer->out_of_memory = true;
     way->blocked |= crossing.opaque;
     if (tracer->out_of_memory || crossing.n_faults || crossing.opaque) return false;
+    if (UNLIKELY(world->has_paint) && path_painted_hit(world, hits, n, level, tracer->list.point.top.level))
+        return false;
     if (crossing.medium_from == crossing.medium_to) return true; /* panes are crossed likewise */
     Lanes eta_i = path_ior(look, crossing.medium_from), eta_t = path_ior(look, crossing.medium_to);
     if (lanes_equal(eta_i, eta_t)) return true;

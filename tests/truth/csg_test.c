@@ -161,12 +161,30 @@ static void a_glowing_operand_lights_what_it_touches(void **state)
                         HEAD "sphere { radius = 12  " GLOW " }" STRIP);
 }
 
+/* The paint of an operand is where the whole has a surface: looks at lamps behind a block of glass pass by where it has none. */
+static void paint_is_where_the_whole_is(void **state)
+{
+    (void)state;
+#define PAINTED "surface = surface { transmission = .7  albedo = .6 }  translate(<12, -15, 9>)"
+#define BLOCK                                                                                                          \
+    "box { interior = glass  from = <-90, 40, -90>  to = <90, 44, 90> }"                                               \
+    "light { shape = sphere  from = <5, 65, 3>  radius = 4  radiance = 90 }" SURROUNDINGS
+    Comparison c = compare_pictures(
+        "a painted ball, cut by nothing, under a block",
+        HEAD "intersection { interior = glass  sphere { radius = 3 } cylinder { from = <0, -5, 0>  to = "
+             "<0, 35, 0>  radius = 30 } " PAINTED " }" BLOCK,
+        HEAD "sphere { interior = glass  radius = 3  " PAINTED " }" BLOCK);
+    assert_true(fabs(c.difference) <= 4 * sqrt(c.squares));
+    assert_true(c.n_other <= WIDTH * WIDTH / 40); /* other noise in half of them where they do not */
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_difference_is_the_mesh),         cmocka_unit_test(a_difference_in_water_is_the_mesh),
         cmocka_unit_test(a_turned_difference_is_the_lathe), cmocka_unit_test(an_opaque_difference_is_the_mesh),
         cmocka_unit_test(a_pane_may_be_a_combination),      cmocka_unit_test(a_glowing_operand_lights_what_it_touches),
+        cmocka_unit_test(paint_is_where_the_whole_is),
     };
     return cmocka_run_group_tests_name("csg", tests, NULL, NULL);
 }
