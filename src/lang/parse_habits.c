@@ -140,6 +140,21 @@ static bool parse_matrix_habit(Parser *parser, const char *word)
     return true;
 }
 
+/* A transform whose brackets are missing; n values. What POV-Ray turns or moves it does in mirrored space: said once of a file, at
+ * the first vector, which is how it writes them. */
+static void hint_at_transform(Parser *parser, Diagnostic *report, const char *word, const char *value, int n)
+{
+    const char *mirrored = "";
+    bool moves = strcmp(word, "rotate") == 0 || strcmp(word, "translate") == 0;
+    if (moves && n == 1 && strpbrk(value, "<xyz") && !parser->mirror_told && report->text) {
+        parser->mirror_told = true;
+        mirrored =
+            "; where the scene is POV-Ray's, z points the other way: turn the sign of z round everywhere, and that of "
+            "rotations about x and y";
+    }
+    diag_hint(parser->diag, report, n == 3 ? "write: %s(<%s>)%s" : "write: %s(%s)%s", word, value, mirrored);
+}
+
 /* name value */
 static void value_behind_name(Parser *parser, Path path)
 {
@@ -162,10 +177,8 @@ static void value_behind_name(Parser *parser, Path path)
     if (parser->panic) return;
     if (pattern && strstr(pattern, "@*") && n == 3 && !strchr(value, '<')) /* center 1, 2, 3 */
         value = arena_format(parser->arena, "<%s>", value);
-    if (call && n == 3) /* translate 1, 2, 3 */
-        diag_hint(parser->diag, report, "write: %s(<%s>)", word, value);
-    else if (call)
-        diag_hint(parser->diag, report, "write: %s(%s)", word, value);
+    if (call) /* translate 1, 2, 3 */
+        hint_at_transform(parser, report, word, value, n);
     else if (advice)
         advise(parser, report, word);
     else if (pattern && strstr(pattern, "@*"))

@@ -37,6 +37,7 @@ typedef struct Parser {
     bool swallowed;      /* the last consumed token is a string that goes on to the end of its line */
     bool no_blocks;      /* a '{' belongs to the statement, not to the expression: 'if a {' */
     bool comma_reported; /* in this block */
+    bool mirror_told;    /* that POV-Ray's z points the other way */
     int directives;      /* open ones of POV-Ray */
     int looks;           /* far ahead */
     Indents indents;
