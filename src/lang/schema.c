@@ -255,11 +255,11 @@ static void hint_texture(const Check *check, const Value *value, Diagnostic *rep
 {
     Diag *diag = check->evaluator->diag;
     const NodeType *owner = check->evaluator->target ? check->evaluator->target->type : NULL;
-    bool is_texture = value->kind == VALUE_NODE && value->as.node->type->flags & NODE_TEXTURE;
+    const NodeType *found = value->kind == VALUE_NODE ? value->as.node->type : NULL;
+    bool is_texture = found && (found->flags & NODE_TEXTURE || strcmp(found->name, "volume") == 0);
     if (!owner || (!is_texture && value->kind != VALUE_VECTOR3)) return;
     const char *pattern = habit_pattern(owner->name, check->type->name);
-    const char *texture =
-        is_texture ? arena_format(diag->arena, "%s { ... }", value->as.node->type->name) : "<x, y, z>";
+    const char *texture = is_texture ? arena_format(diag->arena, "%s { ... }", found->name) : "<x, y, z>";
     if (pattern) diag_hint(diag, report, "%s", habit_fill(diag->arena, pattern, texture));
 }
 
@@ -308,6 +308,12 @@ static void hint_numbers(const Check *check, const Value *value, Diagnostic *rep
     bool list = value->kind == VALUE_LIST && value->as.list->element == VALUE_NUMBER;
     size_t n = list ? value_count(value) : value_width(value->kind);
     const double *v = list ? value->as.list->numbers : value->as.v;
+    /* an index of each colour, in the order of rgb() */
+    if (kind == PROP_NUMBER_OR_TERM && n == 3)
+        diag_hint(diag, report,
+                  "of one that goes with the colour write: spectrum([<450, %g>, <550, %g>, <650, %g>]), or "
+                  "cauchy(a, b)",
+                  v[2], v[1], v[0]);
     if (!list && value->kind != VALUE_VECTOR3) return;
     if (is_color_kind(kind) && n == 3) diag_hint(diag, report, "write: rgb(%g, %g, %g)", v[0], v[1], v[2]);
     if (kind == PROP_VECTOR3 && n == 3) diag_hint(diag, report, "write: <%g, %g, %g>", v[0], v[1], v[2]);
