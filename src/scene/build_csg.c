@@ -59,8 +59,10 @@ static bool operand_matter_fits(Builder *b, const EvalNode *node)
                                                          node->type->name, whole->node->type->name);
     if (wrong != priority) diag_note(b->diag, report, whole->matter_span, "the whole is made of this");
     diag_hint(b->diag, report,
-              wrong == priority
-                  ? "move it there"
+              wrong == priority ? "move it there"
+              : report->in_library /* a gem of std/gems, whose interior is an argument */
+                  ? "one combination has one interior: write interior = none in the call, and the part is of what the "
+                    "whole is"
                   : "one combination has one interior; what is of several may overlap in a group { ... }");
     return false;
 }
