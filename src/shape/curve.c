@@ -25,6 +25,7 @@ typedef struct Cubic {
 typedef struct Curve {
     Outline *outline;
     double tolerance;
+    uint32_t last; /* the number of the profile's last point */
 } Curve;
 
 static Dir2 dir2_mix(Dir2 a, Dir2 b, double t)
@@ -295,6 +296,7 @@ static Status curve_outline(const Cubic *cubics, uint32_t n, Curve *curve, Error
             return fail_memory(error, outline->n * sizeof *outline->points, "a profile");
         if (first < outline->n)
             outline->points[first].given_in = false; /* a straight edge before it has its own normal */
+        for (size_t k = first; k < outline->n; k++) outline->points[k].closes = cubics[i].source == curve->last;
         if (outline->n > OUTLINE_MAX_EDGES)
             return fail(error, STATUS_SCENE, "the profile makes more than %d edges; use fewer points",
                         OUTLINE_MAX_EDGES);
@@ -326,7 +328,7 @@ Status solid_make_curved_lathe(const double (*profile)[2], uint32_t n, LatheCurv
     for (uint32_t i = 0; kind == LATHE_CUBIC && i < n; i++) cubics[i] = smooth_piece(points, corner, n, i);
     Status status = kind == LATHE_NATURAL ? natural_pieces(points, corner, n, cubics, error) : STATUS_OK;
     Outline outline = {0};
-    Curve curve = {&outline, tolerance > 0 ? fmax(tolerance, 1e-12 * size) : 1e-5 * size};
+    Curve curve = {&outline, tolerance > 0 ? fmax(tolerance, 1e-12 * size) : 1e-5 * size, n - 1};
     if (status == STATUS_OK) {
         orient_pieces(cubics, n_cubics);
         status = check_axis(cubics, n_cubics, size, error);

@@ -167,6 +167,7 @@ static Status make_outline(const Corner *corners, uint32_t n, Outline *outline, 
             return fail(error, STATUS_SCENE, "the profile makes more than %d edges; round fewer of its corners",
                         OUTLINE_MAX_EDGES);
     }
+    if (outline->n) outline->points[outline->n - 1].closes = true; /* whichever way round it is walked */
     return STATUS_OK;
 }
 

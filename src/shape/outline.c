@@ -89,6 +89,7 @@ static void merge_points(Outline *outline)
             continue;
         }
         last->arc = point->arc;
+        last->closes = point->closes;
         last->normal_out = point->normal_out;
         last->given_out = point->given_out;
         if (point->r == 0) last->r = 0;
@@ -246,6 +247,31 @@ static void search_within(CrossingSearch *search, EdgeRun run)
     search_between(search, first_half(run), second_half(run));
 }
 
+static Status fail_crossing(const Outline *outline, size_t edge, size_t other, Error *error)
+{
+    if (outline->points[edge].closes) { /* as of a profile that goes down */
+        size_t keep = edge;
+        edge = other;
+        other = keep;
+    }
+    const OutlinePoint *a = &outline->points[edge];
+    const OutlinePoint *b = &outline->points[(edge + 1) % outline->n];
+    const OutlinePoint *c = &outline->points[other];
+    const OutlinePoint *d = &outline->points[(other + 1) % outline->n];
+    /* the outside of a vessel alone is no profile: its ends are joined right through it */
+    if (c->closes && !a->closes && (c->r > 0 || d->r > 0) && c->y != d->y)
+        return fail(
+            error, STATUS_SCENE,
+            "the profile crosses or touches itself: <%g, %g> to <%g, %g> (at profile[%u]) meets the edge that closes "
+            "it, from the last point to the first; lead it back along the inside, or to the axis",
+            a->r, a->y, b->r, b->y, a->source);
+    return fail(
+        error, STATUS_SCENE,
+        "the profile crosses or touches itself: <%g, %g> to <%g, %g> (at profile[%u]) meets <%g, %g> to <%g, %g> (at "
+        "profile[%u])",
+        a->r, a->y, b->r, b->y, a->source, c->r, c->y, d->r, d->y, c->source);
+}
+
 static Status check_crossings(const Outline *outline, Error *error)
 {
     size_t room = 2;
@@ -258,22 +284,7 @@ static Status check_crossings(const Outline *outline, Error *error)
     if (search.given_up)
         return fail(error, STATUS_SCENE, "the profile is too tangled to be checked for crossings; use fewer points");
     if (!search.found) return STATUS_OK;
-    const OutlinePoint *a = &outline->points[search.edge_a];
-    const OutlinePoint *b = &outline->points[(search.edge_a + 1) % outline->n];
-    const OutlinePoint *c = &outline->points[search.edge_b];
-    const OutlinePoint *d = &outline->points[(search.edge_b + 1) % outline->n];
-    /* the outside of a vessel alone is no profile: its ends are joined right through it */
-    if (search.edge_b == outline->n - 1 && (c->r > 0 || d->r > 0) && c->y != d->y)
-        return fail(
-            error, STATUS_SCENE,
-            "the profile crosses or touches itself: <%g, %g> to <%g, %g> (at profile[%u]) meets the edge that closes "
-            "it, from the last point to the first; lead it back along the inside, or to the axis",
-            a->r, a->y, b->r, b->y, a->source);
-    return fail(
-        error, STATUS_SCENE,
-        "the profile crosses or touches itself: <%g, %g> to <%g, %g> (at profile[%u]) meets <%g, %g> to <%g, %g> (at "
-        "profile[%u])",
-        a->r, a->y, b->r, b->y, a->source, c->r, c->y, d->r, d->y, c->source);
+    return fail_crossing(outline, search.edge_a, search.edge_b, error);
 }
 
 /* Where the run of edges that starts at i ends: the edges of one arc, or a single one. */

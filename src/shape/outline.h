@@ -33,6 +33,7 @@ typedef struct OutlinePoint {
     bool given_in, given_out;
     uint32_t source;
     uint32_t arc; /* that the edge from here is a part of; 0: it is straight */
+    bool closes;  /* the edge from here is of what joins the profile's last point to its first */
 } OutlinePoint;
 
 typedef struct Outline {
