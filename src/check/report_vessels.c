@@ -25,6 +25,8 @@ typedef struct Fit {
     double gap;      /* the least that was met */
     uint32_t vessel;
     Vec3 middle; /* of that gap, along the line that met it */
+    Vec3 facing; /* the vessel's normal at the first end that was near */
+    bool level;  /* it is the same at all of them */
 } Fit;
 
 /* What is thin is a skin, and a plane nothing to be filled. */
@@ -70,7 +72,9 @@ static bool look_out(const CompiledScene *compiled, const Ray *ray, Fit *fit)
         fit->n_held += step->kind == SIGHT_OPAQUE && step->object == fit->vessel;
         if (open && next->kind == SIGHT_OPAQUE && gap <= widest * fit->size &&
             is_vessel(compiled->scene, next->object)) {
-            fit->n_near++;
+            Vec3 normal = vec3_from_f(next->normal);
+            if (fit->n_near++ == 0) fit->facing = normal;
+            fit->level = fit->level && vec3_dot(normal, fit->facing) > 1 - 1e-6;
             if (gap < fit->gap) {
                 fit->gap = gap;
                 fit->vessel = next->object;
@@ -145,11 +149,14 @@ static bool find_gap(const CompiledScene *compiled, Probe *probe, uint32_t hull,
     *fit = (Fit){.size = vec3_max_abs(vec3_sub(box.max, box.min)),
                  .medium = compiled->hulls[hull].medium,
                  .gap = HUGE_VAL,
-                 .vessel = SCENE_NONE};
+                 .vessel = SCENE_NONE,
+                 .level = true};
     if (!isfinite(fit->size) || !look_at(compiled, probe, hull, FIRST_LINES, fit) || fit->n_near == 0) return false;
     /* and now that there is a vessel to ask for */
     if (!look_at(compiled, probe, hull, n_lines, fit) || fit->n_held) return false;
     if (fit->n_near < LEAST_ENDS || fit->n_near < least_part * fit->n_ends) return false;
+    /* the papers and tables of the library lie a little below what is to stand on them, so that glass does not touch them */
+    if (fit->level && compiled->scene->objects[fit->vessel].of_library) return false;
     return measure_across(compiled, fit);
 }
 

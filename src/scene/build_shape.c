@@ -128,6 +128,7 @@ uint32_t build_add_named(Builder *b, const EvalNode *node, const char *name, uin
     scene->objects[scene->n_objects] = (SceneObject){
         .name = name,
         .span = build_author_place(b, node),
+        .of_library = b->diag->sources->sources[node->span.source].library,
         .shape = shape,
         .to_world = *to_world,
         .medium = SCENE_NONE,

@@ -146,6 +146,7 @@ typedef struct SceneShape { /* geometry that objects share; one of the two */
 typedef struct SceneObject {
     const char *name; /* as declared, or made up: "sphere 12" */
     Span span;
+    bool of_library;  /* placed by a macro of the standard library; span is of the call */
     uint32_t shape;   /* SCENE_NONE for a combination */
     uint32_t tree;    /* of a combination: which of the scene's; SCENE_NONE for others */
     uint32_t part_of; /* of an operand: the combination's row; SCENE_NONE for others */
