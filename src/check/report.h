@@ -23,6 +23,8 @@ void report_endless(const CompiledScene *compiled, Diag *diag);
 void report_many_scatterings(const CompiledScene *compiled, double least, Diag *diag);
 /* And of each volume that covers next to nothing of an object whose medium varies by it. */
 void report_small_volumes(const CompiledScene *compiled, Diag *diag);
+/* And of each light that is wholly inside of an opaque object, or shines into one. */
+void report_enclosed_lights(const CompiledScene *compiled, Diag *diag);
 /* And remarks on what is so thin, or so far from the origin, that coordinates are coarse for it. */
 void report_coarse_places(const CompiledScene *compiled, Diag *diag);
 /* And of each mesh of which a part lies within another and faces outward. */

@@ -13,6 +13,8 @@
 enum {
     CELLS_OF_PAIR = 20000,
     CELLS_IN_ALL = 200000, /* beside the first of each pair: about half a second */
+    CELLS_OF_LAMPS = 20000,
+    MOST_LAMPS = 4096, /* that are asked for one by one */
     CELLS_OF_CAMERA = 4000,
     HALVINGS = 48,    /* in all three directions together */
     HALVINGS_OUT = 9, /* after so many, a cell that is outside is not halved to find the inner object in a part of it */
@@ -32,6 +34,7 @@ typedef enum CameraPlace { CAMERA_NOT_ASKED, CAMERA_OUTSIDE, CAMERA_WITHIN } Cam
 typedef struct Enclosures {
     const CompiledScene *compiled;
     const Scene *scene;
+    bool lamps;   /* is looked for, and not for what does not shine */
     Box3 *bounds; /* of each thing; empty for what neither holds nor is held; may be larger until is_tight */
     bool *is_tight;
     bool *may_hold; /* of each object */
@@ -195,6 +198,17 @@ static bool is_light(const Enclosures *e, uint32_t thing)
     return thing >= e->scene->n_objects;
 }
 
+/* The row of its light; SCENE_NONE: it does not shine. */
+static uint32_t light_of(const Enclosures *e, uint32_t thing)
+{
+    return is_light(e, thing) ? thing - e->scene->n_objects : e->scene->objects[thing].light;
+}
+
+static bool is_asked_for(const Enclosures *e, uint32_t thing)
+{
+    return e->lamps == (light_of(e, thing) != SCENE_NONE);
+}
+
 /* The smallest box, which is worked out only for what is looked at further. */
 static Box3 tight_bounds(Enclosures *e, uint32_t thing)
 {
@@ -222,23 +236,30 @@ static bool stands_out(Enclosures *e, uint32_t inner, uint32_t outer)
     return false;
 }
 
+/* Of a round thing that stands still; 0: it is none. */
+static double ball_radius(const Enclosures *e, uint32_t thing)
+{
+    if (is_light(e, thing)) return 0;
+    const SceneObject *object = &e->scene->objects[thing];
+    const Solid *solid = object->shape == SCENE_NONE ? NULL : e->scene->shapes[object->shape].solid;
+    double scale = affine_even_scale(&object->to_world, 5e-10);
+    bool round = solid && solid->n_pieces == 1 && solid->pieces[0].kind == PIECE_SPHERE;
+    return round && object->motion == SCENE_NONE && scale > 0 ? solid->pieces[0].r0 * scale : 0;
+}
+
 /* Whether a round thing that stands still is held whole, as one ball: a lamp that nearly fills its globe would take more cells than
  * there are. */
 static bool is_held_as_ball(Enclosures *e, uint32_t inner, uint32_t outer)
 {
-    const SceneObject *object = &e->scene->objects[inner];
-    const Solid *solid = object->shape == SCENE_NONE ? NULL : e->scene->shapes[object->shape].solid;
-    double scale = affine_even_scale(&object->to_world, 5e-10);
-    if (!solid || solid->n_pieces != 1 || solid->pieces[0].kind != PIECE_SPHERE || object->motion != SCENE_NONE ||
-        !(scale > 0))
-        return false;
-    Ball ball = {object->to_world.t, solid->pieces[0].r0 * scale + 16 * rounding_in(e->bounds[inner])};
+    double radius = ball_radius(e, inner);
+    if (!(radius > 0)) return false;
+    Ball ball = {e->scene->objects[inner].to_world.t, radius + 16 * rounding_in(e->bounds[inner])};
     return side_of(e, outer, ball) == BALL_INSIDE;
 }
 
 static void look_at(Enclosures *e, uint32_t inner, uint32_t outer)
 {
-    if (is_light(e, outer) || !e->may_hold[outer] || stands_out(e, inner, outer)) return;
+    if (!is_asked_for(e, inner) || is_light(e, outer) || !e->may_hold[outer] || stands_out(e, inner, outer)) return;
     if (!lies_within(tight_bounds(e, inner), tight_bounds(e, outer))) return;
     uint32_t known = e->holder[inner];
     if (known != SCENE_NONE && extent_of(e->bounds[known]) <= extent_of(e->bounds[outer])) return;
@@ -266,6 +287,31 @@ static Status visit(void *context, uint32_t a, uint32_t b, Error *error)
     look_at(e, a, b);
     look_at(e, b, a);
     return STATUS_OK;
+}
+
+/* Whether a camera is in there with it, as in a room, by a few lines: it takes less than proving that none is. */
+static bool shows_a_camera(const Enclosures *e, uint32_t object, HitList *hits)
+{
+    for (uint32_t i = 0; i < e->scene->n_cameras; i++)
+        if (report_is_within(e->compiled, e->scene->cameras[i].from, object, hits)) return true;
+    return false;
+}
+
+/* Most lamps stand in nothing, which one line tells of each: only where one is, what it may be in is looked for. */
+static void look_at_lamps(Enclosures *e, uint32_t n_things)
+{
+    HitList hits = {0};
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < n_things; i++) n += !box3_is_empty(e->bounds[i]) && is_asked_for(e, i);
+    for (uint32_t i = 0; i < n_things && n <= MOST_LAMPS; i++) {
+        if (box3_is_empty(e->bounds[i]) || !is_asked_for(e, i)) continue;
+        Vec3 place = box3_centre(tight_bounds(e, i));
+        if (report_body_around(e->compiled, place, &hits) == SCENE_NONE) continue;
+        for (uint32_t k = 0; k < e->scene->n_objects; k++)
+            if (e->may_hold[k] && box3_holds_point(e->bounds[k], place) && !shows_a_camera(e, k, &hits))
+                look_at(e, i, k);
+    }
+    hit_list_clear(&hits);
 }
 
 /* ---- the scene ---- */
@@ -363,7 +409,7 @@ static void forget_chance(Enclosures *e, uint32_t n_things)
     uint32_t n = 0;
     for (uint32_t i = 0; i < n_things; i++) {
         e->holder[i] = made ? e->holder[i] : SCENE_NONE;
-        if (!made || box3_is_empty(e->bounds[i])) continue;
+        if (!made || box3_is_empty(e->bounds[i]) || !is_asked_for(e, i)) continue;
         made[n++] = (Made){is_light(e, i) ? scene->lights[i - scene->n_objects].span : scene->objects[i].span, i};
     }
     if (n) qsort(made, n, sizeof *made, compare_made);
@@ -377,20 +423,33 @@ static void forget_chance(Enclosures *e, uint32_t n_things)
     free(made);
 }
 
-/* ---- the remarks ---- */
+/* ---- what is said of them ---- */
 
-/* One of the two codes: the first few, and how many more there are. */
-static void report_held(const Enclosures *e, uint32_t n_things, DiagCode code, Diag *diag)
+static void hint_for_lamp(const Enclosures *e, uint32_t light, uint32_t holder, Diag *diag, Diagnostic *report)
+{
+    const SceneObject *outer = &e->scene->objects[holder];
+    double radius = ball_radius(e, holder);
+    if (e->scene->lights[light].kind == LIGHT_POINT && radius > 0) /* POV-Ray's looks_like */
+        diag_hint(diag, report,
+                  "let the light be that ball, which is seen then, and remove %s: shape = sphere  radius = %.6g",
+                  outer->name, radius);
+    else
+        diag_hint(diag, report, "move it out of %s, or give that an 'interior' that light goes through, and no surface",
+                  outer->name);
+}
+
+/* The first few, and how many more there are. */
+static void report_held(const Enclosures *e, uint32_t n_things, Diag *diag)
 {
     const Scene *scene = e->scene;
+    const DiagCode code = e->lamps ? D_ENCLOSED_LIGHT : D_ENCLOSED_OBJECT;
     uint32_t n = 0;
     for (uint32_t i = 0; i < n_things; i++) {
-        uint32_t light = is_light(e, i) ? i - scene->n_objects : scene->objects[i].light;
-        if (e->holder[i] == SCENE_NONE || (code == D_ENCLOSED_LIGHT) != (light != SCENE_NONE)) continue;
-        if (++n > REPORT_MOST) continue;
+        uint32_t light = light_of(e, i);
+        if (e->holder[i] == SCENE_NONE || ++n > REPORT_MOST) continue;
         const SceneObject *outer = &scene->objects[e->holder[i]];
         Diagnostic *report;
-        if (light != SCENE_NONE)
+        if (e->lamps)
             report = diag_report(diag, code, scene->lights[light].span,
                                  "%s is wholly inside of %s, which is opaque: none of its light comes out",
                                  scene->lights[light].name, outer->name);
@@ -399,10 +458,8 @@ static void report_held(const Enclosures *e, uint32_t n_things, DiagCode code, D
                                  "%s is wholly inside of %s, which is opaque: nothing of it is seen",
                                  scene->objects[i].name, outer->name);
         diag_note(diag, report, outer->span, "%s is here", outer->name);
-        if (light != SCENE_NONE)
-            diag_hint(diag, report,
-                      "move it out of %s, or give that an 'interior' that light goes through, and no surface",
-                      outer->name);
+        if (e->lamps)
+            hint_for_lamp(e, light, e->holder[i], diag, report);
         else
             diag_hint(diag, report, "let it come through the surface of %s, or remove it", outer->name);
     }
@@ -449,20 +506,36 @@ static void report_inward(Enclosures *e, Diag *diag)
     }
 }
 
-/* Where memory ends, or objects meet too often, there are fewer remarks. */
+/* Where memory ends, or objects meet too often, less is said. */
+static void report_either(Enclosures *e, Diag *diag)
+{
+    const Scene *scene = e->scene;
+    uint32_t n_things = scene->n_objects + scene->n_lights;
+    if (prepare(e, n_things)) {
+        bool any = false;
+        for (uint32_t i = 0; i < scene->n_objects && !any; i++) any = e->may_hold[i];
+        if (any && e->lamps)
+            look_at_lamps(e, n_things);
+        else if (any && box_pairs_visit(n_things, bounds_of, visit, e, NULL) != STATUS_OK)
+            e->pairs_left = 0;
+        if (any) forget_chance(e, n_things);
+        report_held(e, n_things, diag);
+        if (any && e->lamps) report_inward(e, diag);
+    }
+    clear(e);
+}
+
 void report_enclosed(const CompiledScene *compiled, Diag *diag)
 {
-    const Scene *scene = compiled->scene;
-    Enclosures e = {.compiled = compiled, .scene = scene, .cells_left = CELLS_IN_ALL, .pairs_left = PAIRS};
-    uint32_t n_things = scene->n_objects + scene->n_lights;
-    if (prepare(&e, n_things)) {
-        bool any = false;
-        for (uint32_t i = 0; i < scene->n_objects && !any; i++) any = e.may_hold[i];
-        if (any && box_pairs_visit(n_things, bounds_of, visit, &e, NULL) != STATUS_OK) e.pairs_left = 0;
-        if (any) forget_chance(&e, n_things);
-        report_held(&e, n_things, D_ENCLOSED_OBJECT, diag);
-        report_held(&e, n_things, D_ENCLOSED_LIGHT, diag);
-        if (any) report_inward(&e, diag);
-    }
-    clear(&e);
+    report_either(
+        &(Enclosures){.compiled = compiled, .scene = compiled->scene, .cells_left = CELLS_IN_ALL, .pairs_left = PAIRS},
+        diag);
+}
+
+void report_enclosed_lights(const CompiledScene *compiled, Diag *diag)
+{
+    if (compiled->scene->n_lights == 0) return;
+    report_either(
+        &(Enclosures){.compiled = compiled, .scene = compiled->scene, .lamps = true, .cells_left = CELLS_OF_LAMPS},
+        diag);
 }

@@ -89,7 +89,7 @@ uint32_t report_cover(const CompiledScene *compiled, Vec3 place, HitList *hits);
 /* Warns of liquids with a thin gap to the opaque vessel that they are in. */
 void report_vessels(const CompiledScene *compiled, Diag *diag);
 
-/* Remarks on objects and lights that are wholly inside of an opaque object. */
+/* Remarks on objects that are wholly inside of an opaque one; see report_enclosed_lights for what shines. */
 void report_enclosed(const CompiledScene *compiled, Diag *diag);
 
 /* Remarks on clear solids that touch opaque objects. */

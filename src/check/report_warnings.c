@@ -163,6 +163,7 @@ void report_warnings(const CompiledScene *compiled, const ReportView *view, Diag
     report_vessels(compiled, diag);
     warn_of_hidden(compiled, diag);
     report_lost_lights(compiled, view, diag);
+    report_enclosed_lights(compiled, diag);
     report_endless(compiled, diag);
     report_small_volumes(compiled, diag);
     report_nested_parts(compiled, diag);

@@ -234,6 +234,7 @@ static void warn_of_losses(void *context)
     ReportView view =
         viewpoint_look(&run->input, run->settings.camera, run->settings.width, run->settings.height, places);
     report_lost_lights(run->input.compiled, &view, &run->input.diag);
+    report_enclosed_lights(run->input.compiled, &run->input.diag);
     report_endless(run->input.compiled, &run->input.diag);
     report_small_volumes(run->input.compiled, &run->input.diag);
     report_nested_parts(run->input.compiled, &run->input.diag);

@@ -303,6 +303,7 @@ static void remarks_tell_what_is_worth_a_look(void **state)
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         Fixture f;
         fixture_compile(&f, cases[i].scene, 1);
+        report_enclosed_lights(f.compiled, &f.diag);
         report_remarks(f.compiled, &f.diag);
         const Diagnostic *remark = fixture_find(&f, cases[i].code);
         if (!remark || strcmp(remark->text, cases[i].text) != 0 || f.diag.n_remarks != 1 || f.diag.n_warnings) {
@@ -437,6 +438,7 @@ static void enclosed_things_are_proved(void **state)
         char scene[1200];
         snprintf(scene, sizeof scene, "meniscus 1.0 unit mm %s" VIEW, cases[i].scene);
         fixture_compile(&f, scene, 1);
+        report_enclosed_lights(f.compiled, &f.diag);
         report_remarks(f.compiled, &f.diag);
         const Diagnostic *remark = fixture_find(&f, cases[i].code);
         if (!remark || strcmp(remark->text, cases[i].text) != 0) {
@@ -491,6 +493,7 @@ static void what_may_be_seen_is_not_enclosed(void **state)
         char scene[1200];
         snprintf(scene, sizeof scene, "meniscus 1.0 unit mm %s" VIEW, scenes[i]);
         fixture_compile(&f, scene, 1);
+        report_enclosed_lights(f.compiled, &f.diag);
         report_remarks(f.compiled, &f.diag);
         if (fixture_find(&f, D_ENCLOSED_OBJECT) || fixture_find(&f, D_ENCLOSED_LIGHT)) {
             fixture_print(&f);
