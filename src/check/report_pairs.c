@@ -15,6 +15,9 @@ typedef struct PairLine {
     ReportVerdict verdict;
     uint32_t top_group, bottom_group;
     size_t number, run; /* its own place, and that of the first of its like */
+    bool summed;        /* with others of its like */
+    bool follows;       /* from others: it is of what is around something that is around the inner object */
+    uint32_t n_around;  /* that are left out for that, and said here */
 } PairLine;
 
 static int compare_likeness(const void *left, const void *right)
@@ -65,6 +68,104 @@ static size_t collect_lines(const CompiledScene *compiled, const ReportGroups *g
     return n;
 }
 
+/* ---- what is around what is around ---- */
+
+enum { FOLLOWING_STEPS = 20000000 }; /* about a tenth of a second */
+
+static uint32_t inner_of(const HullPair *pair)
+{
+    return pair->relation == NEST_A_IN_B ? pair->a : pair->b;
+}
+
+static uint32_t outer_of(const HullPair *pair)
+{
+    return pair->relation == NEST_A_IN_B ? pair->b : pair->a;
+}
+
+static int compare_inner(const void *left, const void *right)
+{
+    const PairLine *a = *(PairLine *const *)left, *b = *(PairLine *const *)right;
+    uint32_t x = inner_of(a->pair), y = inner_of(b->pair);
+    if (x == y) x = outer_of(a->pair), y = outer_of(b->pair);
+    return x < y ? -1 : x > y;
+}
+
+/* The lines of one kind, "a inside b", by the inner object: those of object k from first[k] to before first[k + 1]. */
+typedef struct Insides {
+    PairLine **lines;
+    size_t n;
+    size_t *first;
+    uint8_t *around; /* of each object, for one inner one: 1 is around it, 2 is around something that is, too */
+    size_t steps_left;
+} Insides;
+
+/* Only what is on top as it is the inner one, which is what one expects. */
+static bool is_plain(const CompiledScene *compiled, const PairLine *line)
+{
+    return line->verdict.kind == VERDICT_RULE && line->verdict.rule == NEST_BY_CONTAINMENT &&
+           compiled->object_of_hull[line->verdict.top] == inner_of(line->pair);
+}
+
+static void mark_following(const CompiledScene *compiled, Insides *insides, uint32_t object)
+{
+    size_t begin = insides->first[object], end = insides->first[object + 1];
+    for (size_t i = begin; i < end; i++) insides->around[outer_of(insides->lines[i]->pair)] = 1;
+    for (size_t i = begin; i < end; i++) {
+        uint32_t between = outer_of(insides->lines[i]->pair);
+        for (size_t k = insides->first[between]; k < insides->first[between + 1] && insides->steps_left; k++) {
+            insides->steps_left--;
+            uint32_t outer = outer_of(insides->lines[k]->pair);
+            if (insides->around[outer]) insides->around[outer] = 2;
+        }
+    }
+    for (size_t i = begin; i < end; i++) {
+        PairLine *line = insides->lines[i];
+        uint8_t *around = &insides->around[outer_of(line->pair)];
+        line->follows = *around == 2 && is_plain(compiled, line);
+        *around = 0;
+    }
+}
+
+/* Of the lines that are not summed up. The first of the rest says how many those of its inner object are. */
+static void leave_out_following(Insides *insides, uint32_t object)
+{
+    PairLine *kept = NULL;
+    uint32_t n = 0;
+    for (size_t i = insides->first[object]; i < insides->first[object + 1]; i++) {
+        n += insides->lines[i]->follows;
+        if (!kept && !insides->lines[i]->follows && !insides->lines[i]->summed) kept = insides->lines[i];
+    }
+    if (kept) kept->n_around = n;
+    for (size_t i = insides->first[object]; !kept && i < insides->first[object + 1]; i++)
+        insides->lines[i]->follows = false;
+}
+
+static void find_following(const CompiledScene *compiled, PairLine *lines, size_t n)
+{
+    uint32_t n_objects = compiled->scene->n_objects;
+    Insides insides = {.lines = calloc(n + 1, sizeof *insides.lines),
+                       .first = calloc(n_objects + 2, sizeof *insides.first),
+                       .around = calloc(n_objects + 1, 1),
+                       .steps_left = FOLLOWING_STEPS};
+    if (insides.lines && insides.first && insides.around) {
+        for (size_t i = 0; i < n; i++)
+            if (lines[i].kind == LINE_INSIDE) insides.lines[insides.n++] = &lines[i];
+        qsort(insides.lines, insides.n, sizeof *insides.lines, compare_inner);
+        for (size_t i = 0; i < insides.n; i++) insides.first[inner_of(insides.lines[i]->pair) + 1] = i + 1;
+        for (uint32_t k = 0; k < n_objects; k++)
+            if (insides.first[k + 1] < insides.first[k]) insides.first[k + 1] = insides.first[k];
+        for (uint32_t k = 0; k < n_objects; k++) mark_following(compiled, &insides, k);
+        for (size_t i = 0; i < insides.n; i++)
+            if (insides.lines[i]->summed) insides.lines[i]->follows = false;
+        for (uint32_t k = 0; k < n_objects; k++) leave_out_following(&insides, k);
+    }
+    free(insides.lines);
+    free(insides.first);
+    free(insides.around);
+}
+
+/* ---- one line ---- */
+
 /* ": X on top, by volume". */
 static void add_reason(const CompiledScene *compiled, const ReportVerdict *verdict, const char *top, Buf *out)
 {
@@ -107,13 +208,14 @@ static void add_area(const CompiledScene *compiled, double area, double standard
 static void print_pair(const CompiledScene *compiled, const PairLine *line, Buf *out)
 {
     const HullPair *pair = line->pair;
-    uint32_t inner = pair->relation == NEST_A_IN_B ? pair->a : pair->b, outer = inner == pair->a ? pair->b : pair->a;
+    const SceneObject *objects = compiled->scene->objects;
     const char *top = report_object(compiled, line->verdict.top)->name,
                *bottom = report_object(compiled, line->verdict.bottom)->name;
     buf_add(out, "  ");
     switch (line->kind) {
     case LINE_INSIDE:
-        buf_format(out, "%s inside %s", compiled->scene->objects[inner].name, compiled->scene->objects[outer].name);
+        buf_format(out, "%s inside %s", objects[inner_of(pair)].name, objects[outer_of(pair)].name);
+        if (line->n_around) buf_format(out, ", and %u more around that", (unsigned)line->n_around);
         break;
     case LINE_OVERLAP:
         buf_format(out, "%s overlaps %s", top, bottom);
@@ -175,8 +277,7 @@ static void print_like_pairs(const CompiledScene *compiled, const ReportGroups *
     const ReportGroup *top = &groups->items[first->top_group], *bottom = &groups->items[first->bottom_group];
     HullPair all = sum_up(lines, n);
     /* in a pair whose inner hull is not on top the words change places */
-    uint32_t inner = first->pair->relation == NEST_A_IN_B ? first->pair->a : first->pair->b;
-    bool top_inside = compiled->hull_of_object[inner] == first->verdict.top;
+    bool top_inside = compiled->hull_of_object[inner_of(first->pair)] == first->verdict.top;
     const ReportGroup *subject = first->kind == LINE_INSIDE && !top_inside ? bottom : top;
     const ReportGroup *object = subject == top ? bottom : top;
     bool one = subject->n == 1; /* that meets many: they are what is counted */
@@ -243,6 +344,14 @@ uint32_t report_count_like(ReportLikes *likes, const SceneObject *a, const Scene
     return i;
 }
 
+/* How many lines from i on are of one kind. */
+static size_t like_lines(const PairLine *lines, size_t n, size_t i)
+{
+    size_t count = 1;
+    while (i + count < n && lines[i + count].run == lines[i].run) count++;
+    return count;
+}
+
 void report_print_pairs(const CompiledScene *compiled, const ReportGroups *groups, Buf *out)
 {
     buf_add(out, "\nWhere they meet\n");
@@ -257,11 +366,17 @@ void report_print_pairs(const CompiledScene *compiled, const ReportGroups *group
     }
     size_t n = collect_lines(compiled, groups, lines);
     for (size_t i = 0, count; i < n; i += count) {
-        for (count = 1; i + count < n && lines[i + count].run == lines[i].run;) count++;
-        if (count > REPORT_FEW)
+        count = like_lines(lines, n, i);
+        for (size_t k = i; k < i + count; k++) lines[k].summed = count > REPORT_FEW;
+    }
+    find_following(compiled, lines, n);
+    for (size_t i = 0, count; i < n; i += count) {
+        count = like_lines(lines, n, i);
+        if (lines[i].summed)
             print_like_pairs(compiled, groups, &lines[i], count, out);
         else
-            for (size_t k = 0; k < count; k++) print_pair(compiled, &lines[i + k], out);
+            for (size_t k = i; k < i + count; k++)
+                if (!lines[k].follows) print_pair(compiled, &lines[k], out);
     }
     free(lines);
 }

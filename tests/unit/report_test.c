@@ -123,6 +123,25 @@ static void nameless_media_of_the_same_values_are_one(void **state)
     free(text);
 }
 
+/* A lens of shells: what is around the next one outward follows from that one's own line. JSON has every pair. */
+static void shells_are_inside_of_the_next_one(void **state)
+{
+    (void)state;
+    const char *scene =
+        "meniscus 1.0 unit mm for (i in 1..6) { sphere { radius = 8 - i  interior = medium { ior = 1 + i / 10 } } } "
+        "sphere other { radius = .5 center = <0, 0, 1>  interior = medium { ior = 1.9 } }" FIXTURE_VIEW;
+    char *text = report_of(scene, false), *json = report_of(scene, true);
+    assert_has(text, "  sphere 2 inside sphere 1: sphere 2 on top, by containment\n");
+    assert_has(text, "  sphere 6 inside sphere 5, and 4 more around that: sphere 6 on top, by containment\n");
+    assert_has(text, "  other inside sphere 6, and 5 more around that: other on top, by containment\n");
+    assert_null(strstr(text, "sphere 6 inside sphere 4"));
+    size_t n = 0;
+    for (const char *at = json; (at = strstr(at, "\"a_number\"")); at++) n++;
+    assert_int_equal(n, 7 * 6 / 2);
+    free(text);
+    free(json);
+}
+
 static void few_pairs_stand_by_themselves(void **state)
 {
     (void)state;
@@ -632,6 +651,7 @@ int main(void)
         cmocka_unit_test(nameless_media_are_told_apart),
         cmocka_unit_test(nameless_media_of_the_same_values_are_one),
         cmocka_unit_test(few_pairs_stand_by_themselves),
+        cmocka_unit_test(shells_are_inside_of_the_next_one),
         cmocka_unit_test(other_policies_decide_otherwise),
         cmocka_unit_test(units_suit_people),
         cmocka_unit_test(json_has_every_pair),
