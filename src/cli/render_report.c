@@ -203,21 +203,27 @@ static bool disperses(const Scene *scene)
 static void remark_spread(const RenderRun *run)
 {
     const double much = 0.15, most = 0.5;
+    const uint32_t few = 32; /* of each pixel: of what clear things mirror, a twentieth, one or two samples tell */
     const RenderStats *stats = &run->stats;
+    uint32_t samples = run->settings.samples;
     if (run->n_rendered || stats->stopped || !(stats->spread_light > much)) return;
-    Buf light = {0};
+    Buf light = {0}, usual = {0};
     add_digits(&light, 100 * stats->spread_light, 2);
+    if (samples < few)
+        buf_format(&usual, ", which is usual where each pixel has no more than %u of them", (unsigned)samples);
     talk_remark(
         run->talk,
-        "%s %% of the light came by few samples, and was spread over what is around them: how bright that is, "
+        "%s %% of the light came by few samples%s, and was spread over what is around them: how bright that is, "
         "and of which colour, is a guess so far; more samples ('--spp') make it sure%s, and '--fireflies keep' "
         "shows what was found%s",
-        buf_text(&light), run->settings.caustics == CAUSTICS_OFF ? ", '--caustics on' looks where such light is" : "",
+        buf_text(&light), buf_text(&usual),
+        run->settings.caustics == CAUSTICS_OFF ? ", '--caustics on' looks where such light is" : "",
         stats->spread_one_colored > most && disperses(run->input.scene)
             ? "; most of it was of single colours, as glass bends each another way: where no rainbows are to be "
               "seen, '--set render.dispersion=false' is less noisy"
             : "");
     buf_clear(&light);
+    buf_clear(&usual);
 }
 
 void render_warn(const RenderRun *run)
