@@ -155,7 +155,7 @@ void build_part(Builder *b, const EvalNode *node, const Affine *to_world, NestOp
 {
     Scene *scene = b->scene;
     struct Combination *whole = b->combination;
-    uint32_t part = whole->part, begin = scene->n_operands;
+    uint32_t part = whole->part, begin = scene->n_operands, n_objects = scene->n_objects;
     uint32_t first = add_parts(b, node->n_children);
     if (!node->n_children)
         diag_report(b->diag, D_EMPTY_COMBINATION, node->span, "this %s has no operands", node->type->name);
@@ -165,6 +165,23 @@ void build_part(Builder *b, const EvalNode *node, const Affine *to_world, NestOp
         build_visit(b, node->children[i], to_world);
     }
     scene->parts[part] = (NestPart){operation, begin, scene->n_operands, first, (uint32_t)node->n_children};
+    build_merge_planes(b, node, to_world, part, n_objects);
+}
+
+/* A combination of which one body between planes is left is that body. */
+static void become_body(Builder *b, uint32_t whole, uint32_t root)
+{
+    Scene *scene = b->scene;
+    SceneObject *object = &scene->objects[whole];
+    const SceneObject *body = &scene->objects[scene->operands[scene->parts[root].begin]];
+    object->shape = body->shape;
+    object->to_world = body->to_world;
+    object->volume = body->volume;
+    object->tree = SCENE_NONE;
+    scene->n_objects--;
+    scene->n_operands--;
+    scene->n_trees--;
+    scene->n_parts = root;
 }
 
 /* The combination that the node is, or a part of the one around it. */
@@ -192,8 +209,10 @@ static void build_combination(Builder *b, const EvalNode *node, const Affine *to
     whole.part = add_parts(b, 1);
     add_tree(b, whole.object, whole.part);
     b->combination = &whole;
+    uint32_t root = whole.part;
     build_part(b, node, to_world, operation);
     b->combination = NULL;
+    if (b->scene->parts[root].operation == NEST_OPERAND) become_body(b, whole.object, root);
 }
 
 void build_union(Builder *b, const EvalNode *node, const Affine *to_world)

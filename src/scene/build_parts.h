@@ -42,6 +42,7 @@ typedef struct ShapeFacts {
     bool many_parts;      /* a mesh of several parts, which may overlap */
     uint32_t first_layer; /* see build_layers.c; 0: not looked for so far */
     bool reported_open;
+    Vec3 centre;        /* of a body between planes: where its frame is in that of the planes */
     double file_unit_m; /* 0: not known */
     double to_scene;    /* how long the file's unit is in scene units */
     uint32_t n_open_edges, n_non_manifold;
@@ -103,8 +104,11 @@ typedef struct Builder {
     uint32_t grey;                /* the surface of a ground that names none */
     uint64_t environment_hash;
     MeshKept kept_mesh; /* the file that the last part of a mesh was taken from */
-    bool only_shapes;   /* for geometry.c: what objects are made of does not matter */
-    Status status;      /* a failure that is no mistake in the scene */
+    enum { SHUTTER_UNKNOWN, SHUTTER_NONE, SHUTTER_OPENS } shutter_known; /* of the scene's cameras */
+    void *scratch;                                                       /* of build_convex.c */
+    size_t scratch_bytes;
+    bool only_shapes; /* for geometry.c: what objects are made of does not matter */
+    Status status;    /* a failure that is no mistake in the scene */
     Error *error;
 } Builder;
 
@@ -299,6 +303,12 @@ void build_operand(Builder *b, const EvalNode *node, uint32_t shape, const Affin
 /* A mesh whose parts overlap, as an object: a union of its layers, whose row comes first. False, and nothing is added,
  * for everything else. */
 bool build_layered(Builder *b, const EvalNode *node, uint32_t shape, const Affine *to_world, uint32_t surface);
+
+/* build_convex.c */
+/* Puts one convex body in the place of the planes and boxes among the children of an intersection or a difference that has just
+ * been built, in that frame, where there are some and it can be done. Its operands are the last ones; the row of the first of
+ * them is n_objects. A part of which nothing else is left becomes that operand. */
+void build_merge_planes(Builder *b, const EvalNode *node, const Affine *to_world, uint32_t part, uint32_t n_objects);
 
 /* build_layers.c */
 /* Shapes, one behind another. */
