@@ -29,10 +29,23 @@ typedef struct Merging {
     uint32_t n_spaces, n_taken, first_taken;
 } Merging;
 
+/* The shape of a child that is one operand; NULL: it is none. */
+static ShapeFacts *child_facts(const Builder *b, const Merging *merging, uint32_t number)
+{
+    const NestPart *part = &b->scene->parts[merging->first + number];
+    if (part->operation != NEST_OPERAND) return NULL;
+    return &b->facts[b->scene->objects[b->scene->operands[part->begin]].shape];
+}
+
 /* Room for what is known of n children and n_operands; the same memory each time, as there may be very many instances. */
 static void make_room(Builder *b, Merging *merging, size_t n, size_t n_operands)
 {
-    size_t key = sizeof *merging->key + 6 * n * sizeof *merging->key->spaces;
+    size_t n_spaces = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        const ShapeFacts *facts = child_facts(b, merging, i);
+        n_spaces += facts && facts->n_spaces ? facts->n_spaces : 6;
+    }
+    size_t key = sizeof *merging->key + n_spaces * sizeof *merging->key->spaces;
     size_t now = (n_operands + 1) * sizeof *merging->now, bytes = key + now + n + n_operands;
     if (bytes > b->scratch_bytes) {
         b->scratch_bytes = 2 * bytes;
@@ -84,28 +97,35 @@ static void add_space(Merging *merging, const EvalNode *child, Vec3 normal, doub
     merging->key->spaces[merging->n_spaces++] = half_space_moved(&child->transform, (HalfSpace){normal, distance});
 }
 
+static void add_box(Merging *merging, const EvalNode *child, Box3 box)
+{
+    add_space(merging, child, vec3(-1, 0, 0), -box.min.x);
+    add_space(merging, child, vec3(1, 0, 0), box.max.x);
+    add_space(merging, child, vec3(0, -1, 0), -box.min.y);
+    add_space(merging, child, vec3(0, 1, 0), box.max.y);
+    add_space(merging, child, vec3(0, 0, -1), -box.min.z);
+    add_space(merging, child, vec3(0, 0, 1), box.max.z);
+}
+
 /* Those of a child, if it is made of such; `less`: what is beyond it. */
 static bool add_child(Builder *b, Merging *merging, uint32_t number, bool less)
 {
     const Scene *scene = b->scene;
     const EvalNode *child = merging->node->children[number];
-    const NestPart *part = &scene->parts[merging->first + number];
-    if (part->operation != NEST_OPERAND || eval_prop(child, "surface")) return false;
-    const SceneObject *object = &scene->objects[scene->operands[part->begin]];
-    const SceneShape *shape = &scene->shapes[object->shape];
+    const ShapeFacts *facts = child_facts(b, merging, number);
+    if (!facts || eval_prop(child, "surface")) return false;
+    const SceneObject *object = &scene->objects[scene->operands[scene->parts[merging->first + number].begin]];
+    const Mesh *mesh = scene->shapes[object->shape].mesh;
     if (object->texture_frame != SCENE_NONE || !is_even(scene, object->surface)) return false;
     if (strcmp(child->type->name, "plane") == 0) {
         Vec3 normal = vec3_normalize(eval_vector(child, "normal"));
         double distance = eval_number(child, "distance");
         add_space(merging, child, less ? vec3_scale(normal, -1) : normal, less ? -distance : distance);
-    } else if (strcmp(child->type->name, "box") == 0 && !less && shape->mesh && shape->mesh->n_triangles == 12) {
-        Box3 box = b->facts[object->shape].bounds;
-        add_space(merging, child, vec3(-1, 0, 0), -box.min.x);
-        add_space(merging, child, vec3(1, 0, 0), box.max.x);
-        add_space(merging, child, vec3(0, -1, 0), -box.min.y);
-        add_space(merging, child, vec3(0, 1, 0), box.max.y);
-        add_space(merging, child, vec3(0, 0, -1), -box.min.z);
-        add_space(merging, child, vec3(0, 0, 1), box.max.z);
+    } else if (strcmp(child->type->name, "box") == 0 && !less && mesh && mesh->n_triangles == 12) {
+        add_box(merging, child, facts->bounds);
+    } else if (facts->n_spaces && !less) { /* an intersection or a difference in it */
+        for (uint32_t i = 0; i < facts->n_spaces; i++)
+            add_space(merging, child, facts->spaces[i].normal, facts->spaces[i].distance);
     } else {
         return false;
     }
@@ -141,6 +161,10 @@ static uint32_t body_shape(Builder *b, const Merging *merging, Vec3 *centre)
         if (!build_succeeded(b, status, &error, merging->node->span) || !b->scene->shapes[shape].mesh)
             return SCENE_NONE;
         if (!build_finish_mesh(b, merging->node, shape)) return SCENE_NONE;
+        HalfSpace *kept = ARENA_ARRAY(b->arena, HalfSpace, merging->n_spaces);
+        memcpy(kept, key->spaces, merging->n_spaces * sizeof *kept);
+        b->facts[shape].spaces = kept;
+        b->facts[shape].n_spaces = merging->n_spaces;
     }
     const ShapeFacts *facts = &b->facts[shape];
     *centre = facts->centre;

@@ -42,7 +42,10 @@ typedef struct ShapeFacts {
     bool many_parts;      /* a mesh of several parts, which may overlap */
     uint32_t first_layer; /* see build_layers.c; 0: not looked for so far */
     bool reported_open;
-    Vec3 centre;        /* of a body between planes: where its frame is in that of the planes */
+    /* of a body between planes: these, and where its frame is in theirs (build_convex.c) */
+    const struct HalfSpace *spaces;
+    uint32_t n_spaces;
+    Vec3 centre;
     double file_unit_m; /* 0: not known */
     double to_scene;    /* how long the file's unit is in scene units */
     uint32_t n_open_edges, n_non_manifold;

@@ -294,6 +294,10 @@ static void planes_become_one(void **state)
         {"difference a { interior = glass box { size = <2, 2, 2> } plane { normal = <1, 1, 1> } sphere { } }", 2},
         {"difference a { interior = glass sphere { } plane { normal = x } plane { normal = y } }", 3},
         {"union a { interior = glass intersection { " CUBE("", "") "} sphere { radius = 1.2 } }", 2},
+        {"difference a { interior = glass intersection { " CUBE("", "") "} plane { normal = <1, 1, 1> } }", 0},
+        {"intersection a { interior = glass intersection { " CUBE("", "") "rotate(y, 9) } plane { } sphere { } }", 2},
+        {"intersection a { interior = glass intersection { " CUBE("", "") "sphere { } } plane { } }", 3},
+        {"difference a { interior = glass box { size = <3, 1, 1> } intersection { " CUBE("", "") "} }", 2},
         {"union a { interior = glass " CUBE("", "") "}", 6},
         {"intersection a { interior = glass " CUBE("group { ", " }") "}", 6},
         {"intersection a { interior = glass box { size = <2, 2, 2> } box { size = <3, 3, 3> bevel = .1 } }", 2},
@@ -408,6 +412,11 @@ static void lines_meet_the_same(void **state)
                 "difference a { interior = glass box { size = <6, 6, 6> } cylinder { to = <0, 9, 0> radius = 1 } "
                 "  group { plane { normal = <1, 2, 3> distance = -1 } } "
                 "  group { plane { normal = <1, -1, -1> distance = -2 } } }");
+    assert_same("difference a { interior = glass intersection { " FACETS
+                "scale(1.1) rotate(<1, 2, 3>) translate(<1, 0, "
+                "0>) } plane { normal = <1, 2, 3> distance = -1 } sphere { } translate(<0, .2, 0>) }",
+                "difference a { interior = glass intersection { " APART "scale(1.1) rotate(<1, 2, 3>) translate(<1, 0, "
+                "0>) } plane { normal = <1, 2, 3> distance = -1 } sphere { } translate(<0, .2, 0>) }");
     assert_same("difference a { interior = glass intersection { " FACETS "cylinder { from = <0, -6, 0> to = <0, 3, 0> "
                 "radius = 4 } } sphere { center = <0, 2, 0> } }",
                 "difference a { interior = glass intersection { " APART "cylinder { from = <0, -6, 0> to = <0, 3, 0> "
