@@ -94,11 +94,11 @@ static void add_facets(Bsdf *bsdf, float share, const BsdfConductor *like, float
     note_opaque(bsdf, lobe, conductor->mean, conductor->facets.smooth);
 }
 
-void bsdf_add_filmed_conductor(Bsdf *bsdf, float share, Lanes n, Lanes k, const Film *film, float alpha_x,
+void bsdf_add_filmed_conductor(Bsdf *bsdf, float share, Lanes n, Lanes k, const ThinFilm *film, float alpha_x,
                                float alpha_y)
 {
     const BsdfConductor filmed = {
-        .n = n, .k = k, .mean = film_mean_reflectance(film, lanes_all(1), n, k), .filmed = true, .film = *film};
+        .n = n, .k = k, .mean = thin_film_mean_reflectance(film, lanes_all(1), n, k), .filmed = true, .film = *film};
     add_facets(bsdf, share, &filmed, alpha_x, alpha_y);
 }
 
@@ -136,7 +136,7 @@ void bsdf_add_plastic_kept(Bsdf *bsdf, float share, const BsdfLayer *skin, Lanes
     note_opaque(bsdf, lobe, lobe->as.plastic.base.albedo, false);
 }
 
-void bsdf_add_sheet(Bsdf *bsdf, float share, Lanes eta, float alpha_x, float alpha_y, Lanes tint, const Film *film)
+void bsdf_add_sheet(Bsdf *bsdf, float share, Lanes eta, float alpha_x, float alpha_y, Lanes tint, const ThinFilm *film)
 {
     BsdfLobe *lobe = add_lobe(bsdf, BSDF_SHEET, share);
     if (!lobe) return;
@@ -219,7 +219,7 @@ void bsdf_add_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, float 
     }
 }
 
-void bsdf_add_filmed_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, const Film *film)
+void bsdf_add_filmed_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, const ThinFilm *film)
 {
     uint32_t n = bsdf->n_lobes;
     bsdf_add_boundary(bsdf, share, eta_i, eta_t, 0, 0);

@@ -73,7 +73,7 @@ void bsdf_add_translucent(Bsdf *bsdf, float share, Lanes albedo);
 /* n + i k relative to the medium in front. */
 void bsdf_add_conductor(Bsdf *bsdf, float share, Lanes n, Lanes k, float alpha_x, float alpha_y);
 /* The same with a film on it; all relative to the medium in front. */
-void bsdf_add_filmed_conductor(Bsdf *bsdf, float share, Lanes n, Lanes k, const Film *film, float alpha_x,
+void bsdf_add_filmed_conductor(Bsdf *bsdf, float share, Lanes n, Lanes k, const ThinFilm *film, float alpha_x,
                                float alpha_y);
 /* Facets that reflect all. */
 void bsdf_add_mirrors(Bsdf *bsdf, float share, float alpha_x, float alpha_y);
@@ -86,11 +86,11 @@ void bsdf_add_plastic_kept(Bsdf *bsdf, float share, const BsdfLayer *skin, Lanes
 /* The boundary between the medium of view, eta_i, and the one behind. */
 void bsdf_add_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, float alpha_x, float alpha_y);
 /* A smooth one with a film on it, relative to the vacuum. */
-void bsdf_add_filmed_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, const Film *film);
+void bsdf_add_filmed_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, const ThinFilm *film);
 /* A dielectric sheet without thickness, all its internal reflections summed; eta relative to the medium on both sides;
  * tint: what one crossing along the normal leaves. Both lobes, reflected and straight on, have the same facets. film:
  * NULL where it is too thick for interference; else relative to that medium, and of index eta. */
-void bsdf_add_sheet(Bsdf *bsdf, float share, Lanes eta, float alpha_x, float alpha_y, Lanes tint, const Film *film);
+void bsdf_add_sheet(Bsdf *bsdf, float share, Lanes eta, float alpha_x, float alpha_y, Lanes tint, const ThinFilm *film);
 /* The one clear layer over the diffuse, conductor and mirror lobes that are added until bsdf_end_coat; as in
  * bsdf_add_plastic. */
 void bsdf_begin_coat(Bsdf *bsdf, Lanes eta, float alpha_x, float alpha_y, Lanes tint);

@@ -108,9 +108,9 @@ void boundary_evaluate(const BsdfBoundary *boundary, Vec3f view, Vec3f light, La
 /* A smooth boundary, or a rough one whose hero is not blurred; then other wavelengths do not go the same way. */
 static bool sample_smooth(const BsdfBoundary *boundary, Vec3f view, float u_choice, LobeSample *sample)
 {
-    Lanes reflectance = UNLIKELY(boundary->filmed)
-                            ? film_reflectance(&boundary->film, view.z, boundary->eta_i, boundary->eta_t, lanes_all(0))
-                            : fresnel_dielectric_lanes(view.z, boundary->eta_i, boundary->eta_t);
+    Lanes reflectance = UNLIKELY(boundary->filmed) ? thin_film_reflectance(&boundary->film, view.z, boundary->eta_i,
+                                                                           boundary->eta_t, lanes_all(0))
+                                                   : fresnel_dielectric_lanes(view.z, boundary->eta_i, boundary->eta_t);
     Vec3f in = vec3f_negate(view), normal = vec3f(0, 0, 1);
     sample->specular = true;
     bool back = lobe_choose(&u_choice, lanes_get(reflectance, 0));

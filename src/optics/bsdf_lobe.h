@@ -8,7 +8,7 @@
 #include "base/lanes.h"
 #include "base/vec3.h"
 #include "optics/direction_grid.h"
-#include "optics/film.h"
+#include "optics/thin_film.h"
 #include "optics/layered.h"
 #include "optics/microfacet.h"
 #include "optics/stretched.h"
@@ -63,7 +63,7 @@ typedef struct BsdfConductor {
     bool white;           /* facets reflect all, whatever n and k */
     bool balanced;        /* under a coat, with a balance */
     bool filmed;          /* with this film on it, all relative to the medium in front */
-    Film film;
+    ThinFilm film;
 } BsdfConductor;
 
 /* A clear layer that is so thin that light leaves it where it entered, over something opaque. */
@@ -99,7 +99,7 @@ typedef struct BsdfBoundary {
     float spread[2], spread_norm[2];        /* of the directions that are sampled for it: reflected, transmitted */
     const BsdfKnown *known[2];              /* of what is missing, in front and behind; NULL: nothing */
     bool filmed;                            /* with this film on it, relative to the vacuum; it is smooth then */
-    Film film;
+    ThinFilm film;
 } BsdfBoundary;
 
 typedef struct BsdfSheet {
@@ -109,7 +109,7 @@ typedef struct BsdfSheet {
     Lanes depth; /* as in BsdfLayer */
     bool tinted;
     bool filmed; /* so thin that light interferes: this film, relative to that medium */
-    Film film;
+    ThinFilm film;
     float brightness[2]; /* of what lies in the mirrored direction, and straight on: see fresnel_choice */
 } BsdfSheet;
 

@@ -25,7 +25,7 @@ static Lanes conductor_reflectance(const BsdfConductor *conductor, float cosine)
 {
     if (conductor->white) return lanes_all(1);
     if (UNLIKELY(conductor->filmed))
-        return film_reflectance(&conductor->film, cosine, lanes_all(1), conductor->n, conductor->k);
+        return thin_film_reflectance(&conductor->film, cosine, lanes_all(1), conductor->n, conductor->k);
     return fresnel_conductor(cosine, conductor->n, conductor->k);
 }
 
@@ -65,7 +65,7 @@ static void sheet_split(const BsdfSheet *sheet, float cosine, Lanes *reflected, 
         through = lanes_exp(lanes_sub(lanes_all(0), lanes_div(sheet->depth, inside)));
     }
     if (sheet->filmed) {
-        *reflected = film_reflectance(&sheet->film, cosine, lanes_all(1), lanes_all(1), lanes_all(0));
+        *reflected = thin_film_reflectance(&sheet->film, cosine, lanes_all(1), lanes_all(1), lanes_all(0));
         *transmitted = lanes_mul(lanes_rest(*reflected), through);
         return;
     }

@@ -76,9 +76,9 @@ static inline Lanes case_lanes(float centre, float spread, int hero)
 }
 
 /* phase: of a way to and fro in it, head on */
-static inline Film case_film(Lanes ior, Lanes phase)
+static inline ThinFilm case_film(Lanes ior, Lanes phase)
 {
-    return (Film){ior, lanes_div(phase, ior)};
+    return (ThinFilm){ior, lanes_div(phase, ior)};
 }
 
 /* behind: as seen from the other side. Returns n^2 of the medium in front; and of the one behind. */
@@ -107,7 +107,7 @@ static inline Lanes case_make(const BsdfCase *c, int hero, bool behind, Bsdf *bs
         bsdf_add_plastic(bsdf, 1, case_lanes(c->other, c->spread, hero), alpha, alpha_y, tint,
                          case_lanes(0.6f, 0.3f, hero), 0.4f);
     else if (!strncmp(c->name, "sheet", 5)) {
-        const Film film = case_film(case_lanes(c->other, c->spread, hero), case_lanes(9, 0.2f, hero));
+        const ThinFilm film = case_film(case_lanes(c->other, c->spread, hero), case_lanes(9, 0.2f, hero));
         bsdf_add_sheet(bsdf, 1, film.ior, alpha, alpha_y, tint, strstr(c->name, "film") ? &film : NULL);
     } else if (!strncmp(c->name, "translucent", 11)) {
         bsdf_add_diffuse(bsdf, 0.4f, case_lanes(0.5f, 0.3f, hero), c->roughness);

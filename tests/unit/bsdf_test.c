@@ -410,7 +410,7 @@ static void nothing_breaks_it(void **unused)
         if (kind == 1) bsdf_add_boundary(&bsdf, 1, eta, lanes_all(1), a, b);
         if (kind == 2) bsdf_add_conductor(&bsdf, 1, awkward_lanes(&state, 0, 4), awkward_lanes(&state, 0, 9), a, b);
         if (kind == 3) bsdf_add_plastic(&bsdf, 1, lanes_div(eta, lanes_all(1.3f)), a, i % 3 ? a : b, color, color, b);
-        const Film film = case_film(eta, kind == 4 && i % 5 == 0 ? awkward_lanes(&state, 0, 100) : eta);
+        const ThinFilm film = case_film(eta, kind == 4 && i % 5 == 0 ? awkward_lanes(&state, 0, 100) : eta);
         if (kind == 4) bsdf_add_sheet(&bsdf, 1, eta, a, b, color, i % 5 ? NULL : &film);
         if (kind == 5) {
             bsdf_add_diffuse(&bsdf, a, color, b);
@@ -519,7 +519,7 @@ static void sheets_lean_towards_light(void **unused)
     for (size_t i = 0; i < 4; i++) {
         Bsdf bsdf;
         bsdf_begin(&bsdf);
-        const Film film = case_film(lanes_all(1.33f), lanes(9, 11, 13, 15));
+        const ThinFilm film = case_film(lanes_all(1.33f), lanes(9, 11, 13, 15));
         bsdf_add_sheet(&bsdf, 1, film.ior, 0, 0, lanes(1, .9f, .8f, .7f), &film);
         bsdf_set_brightness(&bsdf, bright[i]);
         bsdf_look(&bsdf, direction_at(0.6f, 1));

@@ -1,4 +1,4 @@
-/* film_test.c - what thin films reflect, against Airy's formula in complex numbers, closed forms, and each other.
+/* thin_film_test.c - what thin films reflect, against Airy's formula in complex numbers, closed forms, and each other.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "test.h"
 
@@ -7,7 +7,7 @@
 #include "complex_of.h"
 #include "dice.h"
 #include "near.h"
-#include "optics/film.h"
+#include "optics/thin_film.h"
 #include "optics/fresnel.h"
 
 static const double pi = 3.14159265358979323846;
@@ -32,9 +32,10 @@ static double reference(double cosine, double n0, double n1, double complex n2, 
 
 static double measured(double cosine, double n0, double n1, double n2, double k, double delay)
 {
-    const Film film = {lanes_all((float)n1), lanes_all((float)delay)};
+    const ThinFilm film = {lanes_all((float)n1), lanes_all((float)delay)};
     return (double)lanes_get(
-        film_reflectance(&film, (float)cosine, lanes_all((float)n0), lanes_all((float)n2), lanes_all((float)k)), 0);
+        thin_film_reflectance(&film, (float)cosine, lanes_all((float)n0), lanes_all((float)n2), lanes_all((float)k)),
+        0);
 }
 
 static void agrees_with_airy(void **state)

@@ -1,9 +1,9 @@
-/* film.c - thin films, in which light interferes.
+/* thin_film.c - thin films, in which light interferes.
  *
  * Of each polarization the film reflects r = (a + b e^(i phi)) / (1 + a b e^(i phi)), a and b being the amplitudes of its two
  * sides, and phi the phase of a way to and fro within it. Where all cosines are real, so are a and b.
  * SPDX-License-Identifier: Apache-2.0 */
-#include "optics/film.h"
+#include "optics/thin_film.h"
 
 #include <math.h>
 
@@ -103,7 +103,7 @@ static float reflectance_of_one(float cosine, float eta_i, float ior, Complex be
     return fminf(0.5f * (airy(across_i, across_t, turn) + airy(along_i, along_t, turn)), 1);
 }
 
-Lanes film_reflectance(const Film *film, float cosine, Lanes eta_i, Lanes eta_t, Lanes k)
+Lanes thin_film_reflectance(const ThinFilm *film, float cosine, Lanes eta_i, Lanes eta_t, Lanes k)
 {
     Lanes reflected = lanes_all(0);
     cosine = fminf(fmaxf(cosine, 0), 1);
@@ -116,11 +116,11 @@ Lanes film_reflectance(const Film *film, float cosine, Lanes eta_i, Lanes eta_t,
     return reflected;
 }
 
-Lanes film_mean_reflectance(const Film *film, Lanes eta_i, Lanes eta_t, Lanes k)
+Lanes thin_film_mean_reflectance(const ThinFilm *film, Lanes eta_i, Lanes eta_t, Lanes k)
 {
     enum { STEPS = 8 }; /* of the squared sine, over which diffuse light is even */
     Lanes sum = lanes_all(0);
     for (int i = 0; i < STEPS; i++)
-        sum = lanes_add(sum, film_reflectance(film, sqrtf(((float)i + 0.5f) / STEPS), eta_i, eta_t, k));
+        sum = lanes_add(sum, thin_film_reflectance(film, sqrtf(((float)i + 0.5f) / STEPS), eta_i, eta_t, k));
     return lanes_scale(sum, 1.0f / STEPS);
 }
