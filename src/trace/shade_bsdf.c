@@ -366,7 +366,8 @@ static Lanes index_around(const World *world, uint32_t medium, const BsdfSpec *s
     return medium_ior(world, medium, rough && world_medium_disperses(world, medium) ? lanes_all(BALANCE_NM) : nm);
 }
 
-void path_bsdf_of_finished(Path *path, const SceneSurface *surface, const BsdfSpec *spec, Bsdf *bsdf)
+/* Returns the index of what is around. */
+static inline Lanes make_finished(Path *path, const SceneSurface *surface, const BsdfSpec *spec, Bsdf *bsdf)
 {
     const World *world = path->tracer->world;
     Lanes nm = path->wavelengths.nm;
@@ -374,6 +375,12 @@ void path_bsdf_of_finished(Path *path, const SceneSurface *surface, const BsdfSp
     Lanes around = index_around(world, medium, spec, nm);
     const BalanceCase met = {.surface = surface, .spec = spec, .medium_from = medium, .medium_to = medium};
     bsdf_from_spec(spec, nm, around, around, balances_find(world->balances, &met), bsdf);
+    return around;
+}
+
+void path_bsdf_of_finished(Path *path, const SceneSurface *surface, const BsdfSpec *spec, Bsdf *bsdf)
+{
+    (void)make_finished(path, surface, spec, bsdf);
 }
 
 bool path_shade_finished(Path *path, Event *event, const SceneSurface *surface, const BsdfSpec *spec,
@@ -381,12 +388,11 @@ bool path_shade_finished(Path *path, Event *event, const SceneSurface *surface, 
 {
     const World *world = path->tracer->world;
     Bsdf bsdf;
-    path_bsdf_of_finished(path, surface, spec, &bsdf);
+    Lanes around = make_finished(path, surface, spec, &bsdf);
     float brightness[2];
-    if (surface->thin && world->beacons.any && !world->trial.fresnel_alone) {
-        Lanes around = index_around(world, nest_medium(&path->tracer->list), spec, path->wavelengths.nm);
-        if (path_look_ahead(path, place, around, brightness)) bsdf_set_brightness(&bsdf, brightness);
-    }
+    if (surface->thin && world->beacons.any && !world->trial.fresnel_alone &&
+        path_look_ahead(path, place, around, brightness))
+        bsdf_set_brightness(&bsdf, brightness);
     Frame frame = frame_of(path, event, surface, spec, place);
     *straight = surface_is_pane(surface) && path_is_pane(world, event->hit.object, event->n_cluster);
     return scatter(path, event, &bsdf, place, &frame, straight);
