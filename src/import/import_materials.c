@@ -46,7 +46,7 @@ static bool has_boundary(const MeshMaterial *said)
     const double *facts = said->facts[FACT_ROUGHNESS];
     bool rough = facts[0] >= 0.005 || picture_is_given(&said->pictures[PICTURE_ROUGHNESS]);
     bool painted = import_transmission(said) < 1 || picture_is_given(&said->pictures[PICTURE_TRANSMISSION]);
-    return rough || painted || picture_is_given(&said->pictures[PICTURE_NORMAL]);
+    return rough || painted || import_boundary_has_film(said) || picture_is_given(&said->pictures[PICTURE_NORMAL]);
 }
 
 void import_prepare_materials(Importer *im)

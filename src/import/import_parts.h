@@ -133,6 +133,8 @@ double import_fraction(const MeshMaterial *said, MaterialFact fact);
 /* How much of the light that is not mirrored goes through; said may be NULL. */
 double import_transmission(const MeshMaterial *said);
 double import_index(const MeshMaterial *said);
+/* Whether a film lies on what it fills. */
+bool import_boundary_has_film(const MeshMaterial *said);
 /* Whether it gives off light for others, too. */
 bool import_shines(const MeshMaterial *said);
 

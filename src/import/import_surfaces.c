@@ -197,12 +197,40 @@ static void add_emission(NodeText *node, const MeshMaterial *said, const char *w
     if (radiance != 1) node_number(node, "radiance", radiance);
 }
 
+/* ---- films ---- */
+
+/* On what is filled. */
+bool import_boundary_has_film(const MeshMaterial *said)
+{
+    const double smooth = 0.005;
+    return import_fraction(said, FACT_FILM) > 0 && import_fraction(said, FACT_ROUGHNESS) < smooth &&
+           !picture_is_given(&said->pictures[PICTURE_ROUGHNESS]);
+}
+
+/* On what is opaque. */
+static bool metal_has_film(const MeshMaterial *said)
+{
+    return import_fraction(said, FACT_FILM) > 0 && import_fraction(said, FACT_METAL) > 0;
+}
+
+/* lies: on something; else it is a thin surface itself, of its own index. */
+static void add_film(NodeText *node, const MeshMaterial *said, bool lies)
+{
+    const double thickest_nm = 40000;
+    Buf *out = node_prop(node, "film");
+    add_number(out, double_min(double_max(said->facts[FACT_FILM_THICKNESS][0], 0), thickest_nm));
+    buf_add(out, "nm");
+    if (lies) node_number(node, "film_ior", double_min(double_max(said->facts[FACT_FILM_INDEX][0], 1), 4));
+}
+
 /* What has no place in a surface, so that nobody waits for it in the picture. */
-static void note_left_out(Importer *im, const MeshMaterial *said, bool thin)
+static void note_left_out(Importer *im, const MeshMaterial *said, bool filmed)
 {
     double film = import_fraction(said, FACT_FILM), metal = import_fraction(said, FACT_METAL);
-    if (film > 0 && !thin)
-        import_note(im, "light interferes in thin surfaces only: its iridescence is not taken");
+    if (film > 0 && !filmed)
+        import_note(
+            im,
+            "films lie on metals, on what is smooth and filled, or are thin surfaces: its iridescence is not taken");
     else if (film > 0 && film < 0.999)
         import_note(im, "its iridescence is taken whole, of which the file has %.3g", film);
     static const struct {
@@ -223,7 +251,7 @@ static void note_left_out(Importer *im, const MeshMaterial *said, bool thin)
 
 void import_note_filled(Importer *im, const MeshMaterial *said)
 {
-    note_left_out(im, said, false);
+    note_left_out(im, said, import_boundary_has_film(said));
     if (import_fraction(said, FACT_COAT) > 0) import_note(im, "what is filled has no coat: its coat is not taken");
     if (largest(said->facts[FACT_SHEEN_COLOR]) > 0)
         import_note(im, "what is filled has no fuzz: its sheen is not taken");
@@ -252,12 +280,7 @@ static void add_thin(NodeText *node, const MeshMaterial *said)
     if (translucency > 0)
         add_fraction(node, said, "translucency", import_fraction(said, FACT_TRANSLUCENCY), PICTURE_TRANSLUCENCY,
                      "alpha", 0);
-    if (import_fraction(said, FACT_FILM) > 0 && clear > 0) {
-        double thickness = double_min(double_max(said->facts[FACT_FILM_THICKNESS][0], 0), 40000);
-        Buf *out = node_prop(node, "film");
-        add_number(out, thickness);
-        buf_add(out, "nm");
-    }
+    if (import_fraction(said, FACT_FILM) > 0 && clear > 0) add_film(node, said, false);
 }
 
 static void add_opaque(NodeText *node, const MeshMaterial *said)
@@ -274,6 +297,7 @@ static void add_opaque(NodeText *node, const MeshMaterial *said)
         node_number(node, "metalness", metal);
     }
     add_skin(node, said, metal == 1 && !picture);
+    if (metal_has_film(said)) add_film(node, said, true);
 }
 
 /* What covers what is not filled, but for its holes and its light. */
@@ -292,7 +316,7 @@ static void add_cover(NodeText *node, const ImportMaterial *material)
         add_opaque(node, said);
     add_relief(node, said);
     add_layers(node, said, thin && import_transmission(said) > 0.9999 && !has_picture(said, PICTURE_TRANSMISSION));
-    note_left_out(node->im, said, thin && material->clear);
+    note_left_out(node->im, said, thin ? material->clear : metal_has_film(said));
 }
 
 /* Where a mask or an opacity below 1 makes holes: which part of it is there. false: all of it. */
@@ -376,8 +400,11 @@ void import_write_boundary(Importer *im, const ImportMaterial *material)
         add_albedo(&node, said, "albedo");
         node_number(&node, "ior", import_index(said));
     }
-    add_fraction(&node, said, "roughness", import_fraction(said, FACT_ROUGHNESS), PICTURE_ROUGHNESS,
-                 said->packed ? "green" : NULL, 0);
+    if (import_boundary_has_film(said))
+        add_film(&node, said, true);
+    else
+        add_fraction(&node, said, "roughness", import_fraction(said, FACT_ROUGHNESS), PICTURE_ROUGHNESS,
+                     said->packed ? "green" : NULL, 0);
     add_relief(&node, said);
     node_end(&node);
     im->out->n_surfaces++;

@@ -209,6 +209,9 @@ static void opaque_materials_become_surfaces(void **state)
         {LOOK(", \"baseColorFactor\": [0.8, 0.1, 0.1, 1]") "}",
          "surface stuff { albedo = rgb(0.8, 0.1, 0.1)  ior = 1.5 }"},
         {"{\"name\": \"Stuff\"}", "surface stuff { albedo = 1  metalness = 1  roughness = 1 }"},
+        {"{\"name\": \"Stuff\", \"extensions\": {\"KHR_materials_iridescence\": {\"iridescenceFactor\": 1, "
+         "\"iridescenceIor\": 2.2, \"iridescenceThicknessMaximum\": 90}}}",
+         "surface stuff { albedo = 1  metalness = 1  roughness = 1  film = 90nm  film_ior = 2.2 }"},
         {LOOK("") ", \"extensions\": {\"KHR_materials_specular\": {\"specularFactor\": 0}}}",
          "surface stuff { albedo = 1 }"},
         {LOOK("") ", \"extensions\": {\"KHR_materials_specular\": {\"specularFactor\": 0.8, \"specularColorFactor\": "
@@ -668,9 +671,14 @@ static void what_has_no_place_in_a_material_is_told_of(void **state)
         {LOOK("") ", \"extensions\": {\"KHR_materials_transmission\": {\"transmissionFactor\": 1}, "
                   "\"KHR_materials_specular\": {\"specularFactor\": 0.5}}}",
          "its specular is not taken"},
-        {LOOK("") ", \"extensions\": {\"KHR_materials_transmission\": {\"transmissionFactor\": 1}, "
-                  "\"KHR_materials_iridescence\": {\"iridescenceFactor\": 1}}}",
+        {"{\"name\": \"Stuff\", \"pbrMetallicRoughness\": {\"metallicFactor\": 0, \"roughnessFactor\": 0.3}, "
+         "\"extensions\": "
+         "{\"KHR_materials_transmission\": {\"transmissionFactor\": 1}, "
+         "\"KHR_materials_iridescence\": {\"iridescenceFactor\": 1}}}",
          "its iridescence is not taken"},
+        {LOOK("") ", \"extensions\": {\"KHR_materials_transmission\": {\"transmissionFactor\": 1}, "
+                  "\"KHR_materials_iridescence\": {\"iridescenceFactor\": 0.5}}}",
+         "its iridescence is taken whole"},
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         Made made;
