@@ -173,3 +173,11 @@ void json_add_truth(JsonWriter *json, const char *key, bool truth)
     json_key(json, key);
     json_truth(json, truth);
 }
+
+void json_add_numbers(JsonWriter *json, const char *key, const double *numbers, size_t n)
+{
+    json_key(json, key);
+    json_begin_array(json);
+    for (size_t i = 0; i < n; i++) json_number(json, numbers[i]);
+    json_end(json);
+}

@@ -39,5 +39,6 @@ void json_add_number(JsonWriter *json, const char *key, double number);
 void json_add_float(JsonWriter *json, const char *key, float number);
 void json_add_whole(JsonWriter *json, const char *key, uint64_t number);
 void json_add_truth(JsonWriter *json, const char *key, bool truth);
+void json_add_numbers(JsonWriter *json, const char *key, const double *numbers, size_t n); /* an array */
 
 #endif

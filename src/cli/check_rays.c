@@ -352,14 +352,6 @@ void check_rays_print(const CheckRays *rays, const CompiledScene *compiled, Buf 
         print_ends(compiled, rays, out);
 }
 
-static void add_json_vector(JsonWriter *json, const char *key, const double v[3])
-{
-    json_key(json, key);
-    json_begin_array(json);
-    for (int i = 0; i < 3; i++) json_number(json, v[i]);
-    json_end(json);
-}
-
 static void add_json_direction(JsonWriter *json, const char *key, Vec3f v)
 {
     const float c[3] = {v.x, v.y, v.z};
@@ -375,7 +367,7 @@ static void print_step_json(const Scene *scene, const LightStep *step, JsonWrite
     json_begin_object(json);
     json_add_text(json, "turn", turns[step->turn]);
     json_add_number(json, "length", step->length); /* infinite: null */
-    add_json_vector(json, "place", (const double[3]){step->place.x, step->place.y, step->place.z});
+    json_add_numbers(json, "place", (const double[3]){step->place.x, step->place.y, step->place.z}, 3);
     add_json_direction(json, "direction", step->direction);
     json_add_text(json, "object", step->object == SCENE_NONE ? NULL : scene->objects[step->object].name);
     json_add_text(json, "medium", scene->media[step->medium].name);
@@ -419,7 +411,7 @@ void check_rays_print_json(const CheckRays *rays, const CompiledScene *compiled,
         const Vec3 from = ray->ray.origin;
         json_begin_object(json);
         json_add_float(json, "wavelength", ray->nm);
-        add_json_vector(json, "from", (const double[3]){from.x, from.y, from.z});
+        json_add_numbers(json, "from", (const double[3]){from.x, from.y, from.z}, 3);
         add_json_direction(json, "along", ray->ray.direction);
         json_add_text(json, "start", scene->media[ray->ways.start].name);
         json_add_truth(json, "complete", !ray->ways.cut);

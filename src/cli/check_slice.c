@@ -393,11 +393,7 @@ void check_slice_print(const CheckSlice *slice, const CompiledScene *compiled, B
 
 static void add_vector(JsonWriter *json, const char *key, Vec3 v)
 {
-    const double numbers[3] = {v.x, v.y, v.z};
-    json_key(json, key);
-    json_begin_array(json);
-    for (int i = 0; i < 3; i++) json_number(json, numbers[i]);
-    json_end(json);
+    json_add_numbers(json, key, (const double[3]){v.x, v.y, v.z}, 3);
 }
 
 void check_slice_print_json(const CheckSlice *slice, const CompiledScene *compiled, JsonWriter *json)

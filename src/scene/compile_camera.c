@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "scene/compile.h"
 
+#include <math.h>
+
 /* ---- on the surface of an operand ---- */
 
 /* The operands in the list, without those whose surfaces are here: of them it tells nothing. */
@@ -73,6 +75,31 @@ static bool step_off(const CompiledScene *compiled, const SurfacesHere *here, Ve
     return false;
 }
 
+/* ---- on a surface that it flies through ---- */
+
+/* In an animation a camera may come to any surface, and in one of its frames be right there. */
+static bool may_fly(const CompiledScene *compiled, const SceneCamera *camera)
+{
+    return compiled->scene->animation.n_frames > 1 && camera->projection != PROJECTION_ORTHOGRAPHIC;
+}
+
+/* A place just beyond those surfaces, the way that it looks, and on no other; false when that is none. */
+static bool step_ahead(const CompiledScene *compiled, const SurfacesHere *here, Vec3 forward, Vec3 *point)
+{
+    enum { ROUNDINGS = 4 };
+    Vec3 place = *point;
+    for (uint32_t i = 0; i < here->n; i++) {
+        Vec3 normal = vec3_from_f(here->items[i].normal);
+        place = vec3_along(place, copysign(ROUNDINGS * rtc_rounding(*point), vec3_dot(normal, forward)), normal);
+    }
+    SurfacesHere there;
+    place = vec3_rounded(place);
+    compiled_surfaces_at(compiled, place, 0, &there);
+    if (there.n) return false;
+    *point = place;
+    return true;
+}
+
 static Status stand(const CompiledScene *compiled, SceneCamera *camera, HitList *hits, NestList *list,
                     uint32_t *on_surface)
 {
@@ -82,7 +109,10 @@ static Status stand(const CompiledScene *compiled, SceneCamera *camera, HitList 
     bool none;
     compiled_surfaces_at(compiled, vec3_rounded(camera->from), 0, &here);
     TRY(compiled_are_no_surfaces(compiled, list, &here, &none));
-    if (!none || !step_off(compiled, &here, &camera->from)) return STATUS_OK;
+    bool off = none ? step_off(compiled, &here, &camera->from)
+                    : may_fly(compiled, camera) && !here.too_many &&
+                          step_ahead(compiled, &here, camera->forward, &camera->from);
+    if (!off) return STATUS_OK;
     return compiled_interior(compiled, vec3f_from(camera->from), 0, hits, list, on_surface);
 }
 
@@ -193,6 +223,26 @@ static void report_on_surface(const CompiledScene *compiled, const SceneCamera *
     compiled_advise_off_surface(compiled, surface, report, diag);
 }
 
+/* Warns of a camera that was on a surface, and has been moved beyond it. STATUS_NOMEM. */
+static Status report_step(const CompiledScene *compiled, const SceneCamera *camera, const NestList *list, Diag *diag,
+                          Error *error)
+{
+    SurfacesHere here;
+    bool none;
+    compiled_surfaces_at(compiled, vec3_rounded(camera->from), 0, &here);
+    if (compiled_are_no_surfaces(compiled, list, &here, &none) != STATUS_OK)
+        return fail_memory(error, 0, "the camera's surroundings");
+    if (none || !here.n) return STATUS_OK;
+    const SceneObject *object = &compiled->scene->objects[here.items[0].object];
+    Diagnostic *report =
+        diag_report(diag, D_CAMERA_STEPPED, camera->span,
+                    "in frame %u %s is on the surface of %s: it is taken to be just beyond it, the way "
+                    "that it looks",
+                    (unsigned)compiled->scene->frame, camera->name, object->name);
+    diag_note(diag, report, object->span, "%s is here", object->name);
+    return STATUS_OK;
+}
+
 Status compile_check_camera(const CompiledScene *compiled, uint32_t camera_number, Diag *diag, Error *error)
 {
     const SceneCamera *camera = &compiled->scene->cameras[camera_number];
@@ -201,7 +251,7 @@ Status compile_check_camera(const CompiledScene *compiled, uint32_t camera_numbe
     nest_list_init(&list);
     uint32_t on_surface;
     bool in_plane = false;
-    RtcSurface surface;
+    RtcSurface surface = {.object = RTC_NO_OBJECT};
     Status status = compiled_stand(compiled, &standing, &list, &on_surface, error);
     if (camera->projection == PROJECTION_ORTHOGRAPHIC) {
         in_plane = status == STATUS_OK && surface_in_plane(compiled, &standing, &surface);
@@ -212,6 +262,8 @@ Status compile_check_camera(const CompiledScene *compiled, uint32_t camera_numbe
         compiled_surfaces_at(compiled, vec3_rounded(standing.from), 0, &here);
         surface = here.items[0];
     }
+    if (status == STATUS_OK && on_surface == SCENE_NONE && may_fly(compiled, camera))
+        status = report_step(compiled, camera, &list, diag, error);
     if (status == STATUS_OK && (on_surface != SCENE_NONE || in_plane)) {
         report_on_surface(compiled, camera, in_plane, &surface, diag);
         status = STATUS_SCENE;

@@ -390,3 +390,30 @@ exits 3
 says err 'write: "f####.exr"'
 no_leftovers
 end
+
+begin "a camera that flies through a pane: a frame in which it is right on a surface is rendered, too, and a warning says so"
+cat > fly.mns <<'SCENE'
+meniscus 1.0 unit cm
+animation { frames = 3 }
+medium glass { ior = 1.5  state = solid }
+box pane { interior = glass  from = <-5, -5, -1>  to = <5, 5, 2> }
+camera { from = <0, 0, 4 - frame>  to = <0, 0, -9>  aperture = .1  focus = <0, 0, -9> }
+environment { color = 1 }
+film { size = <4, 3> }
+render { samples = 4 }
+SCENE
+run render fly.mns -o fly.exr --progress none
+exits 0
+there fly.0001.exr
+there fly.0002.exr
+there fly.0003.exr
+says err "in frame 2 camera 1 is on the surface of pane: it is taken to be just beyond it, the way that it looks"
+run render fly.mns --frame 2 --pixel 1,1 --aov medium
+exits 0
+run check fly.mns --frame 2 --pixel 1,1
+says out "Along the line, which starts in glass"
+sed 's/^animation.*//; s/4 - frame/2/' fly.mns > stands.mns
+run check stands.mns
+exits 3
+says err "[camera-on-surface]"
+end
