@@ -60,11 +60,9 @@ static Lanes at(const Making *m, const Spectrum *spectrum)
     return spectrum_at(spectrum, m->nm);
 }
 
-static ThinFilm film_of(const Making *m, Lanes medium)
+static ThinFilm film_of(const Making *m, const Spectrum *ior, Lanes medium)
 {
-    const BsdfSpec *spec = m->spec;
-    return thin_film_make(at(m, spec->thin_walled ? &spec->specular_ior : &spec->film_ior), medium,
-                          spec->film_thickness_nm, m->nm);
+    return thin_film_make(at(m, ior), medium, m->spec->film_thickness_nm, m->nm);
 }
 
 static void add_metal(const Making *m, float share, Lanes above)
@@ -77,7 +75,7 @@ static void add_metal(const Making *m, float share, Lanes above)
         k = metal_of_reflectance(m->base_color);
     }
     if (m->spec->film_thickness_nm >= 0) {
-        const ThinFilm film = film_of(m, above);
+        const ThinFilm film = film_of(m, &m->spec->film_ior, above);
         bsdf_add_filmed_conductor(m->bsdf, share, n, k, &film, m->alpha_x, m->alpha_y);
     } else {
         bsdf_add_conductor(m->bsdf, share, n, k, m->alpha_x, m->alpha_y);
@@ -138,7 +136,8 @@ static void add_clear(const Making *m, float share, Lanes eta_t)
     const BsdfSpec *spec = m->spec;
     const bool filmed = spec->film_thickness_nm >= 0;
     if (!spec->thin_walled) {
-        const ThinFilm film = filmed ? film_of(m, lanes_all(1)) : (ThinFilm){lanes_all(1), lanes_all(1)};
+        const ThinFilm film =
+            filmed ? film_of(m, &spec->film_ior, lanes_all(1)) : (ThinFilm){lanes_all(1), lanes_all(1)};
         if (filmed)
             bsdf_add_filmed_boundary(m->bsdf, share, m->eta_i, eta_t, &film);
         else
@@ -146,7 +145,7 @@ static void add_clear(const Making *m, float share, Lanes eta_t)
         return;
     }
     Lanes eta = bsdf_weakened(lanes_div(at(m, &spec->specular_ior), m->eta_i), spec->specular_weight);
-    ThinFilm film = filmed ? film_of(m, m->eta_i) : (ThinFilm){lanes_all(1), lanes_all(1)};
+    ThinFilm film = filmed ? film_of(m, &spec->specular_ior, m->eta_i) : (ThinFilm){lanes_all(1), lanes_all(1)};
     film.delay = lanes_mul(film.delay, lanes_div(film.ior, eta)); /* weakened, it is as long on its way */
     film.ior = eta;
     bsdf_add_sheet(m->bsdf, share, eta, m->alpha_x, m->alpha_y, at(m, &spec->transmission_color),
