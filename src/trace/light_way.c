@@ -80,12 +80,11 @@ static void meet_boundary(Path *path, const Event *event, Meeting *met)
     uint32_t number = world->looks[event->hit.object].surface;
     const SceneSurface *surface = number == SCENE_NONE ? NULL : path_surface(path, event, number);
     BsdfSpec room;
-    const BsdfSpec *spec = surface ? path_spec_at(path, event, surface, &met->place, &room) : NULL;
-    if (surface && surface_has_relief(surface)) path_relief(path, event, surface, 0, &met->place);
+    const BsdfSpec *spec = path_boundary_at(path, event, surface, &met->place, &room);
     if (!turn_at_boundary(path, eta_i, eta_t, met->place.normal, met))
         turn_at_boundary(path, eta_i, eta_t, met->place.geometric, met);
     met->step.to = event->crossing.medium_to;
-    if (!surface || (surface->roughness == 0 && !surface->painted)) return;
+    if (!spec) return;
     const bool total = met->step.transmitted == 0;
     Bsdf bsdf;
     path_bsdf_of_boundary(path, event, surface, spec, eta_i, eta_t, &bsdf);

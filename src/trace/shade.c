@@ -591,12 +591,9 @@ bool path_cross_boundary(Path *path, Event *event)
     SurfacePlace place = path_place(path, event);
     uint32_t number = world->looks[event->hit.object].surface;
     const SceneSurface *surface = number == SCENE_NONE ? NULL : path_surface(path, event, number);
-    if (surface && (surface->roughness > 0 || surface->painted)) {
-        BsdfSpec room;
-        const BsdfSpec *spec = path_spec_at(path, event, surface, &place, &room);
-        return path_cross_rough(path, event, surface, spec, &place, eta_i, eta_t);
-    }
-    if (surface && surface_has_relief(surface)) path_relief(path, event, surface, 0, &place);
+    BsdfSpec room;
+    const BsdfSpec *spec = path_boundary_at(path, event, surface, &place, &room);
+    if (spec) return path_cross_rough(path, event, surface, spec, &place, eta_i, eta_t);
     Decision decision = path->decision;
     BoundaryChoice choice;
     choose_at_boundary(path, &place, false, eta_i, eta_t, &choice);

@@ -179,11 +179,10 @@ static bool cross_boundary(Path *look, Event *event, const SceneSurface *surface
 {
     SurfacePlace place = path_place(look, event);
     BsdfSpec room;
-    const BsdfSpec *spec = surface ? path_spec_at(look, event, surface, &place, &room) : NULL;
-    if (surface && surface->painted && !is_clear(look, spec)) return false;
-    if (surface && surface_has_relief(surface)) path_relief(look, event, surface, 0, &place);
+    const BsdfSpec *spec = path_boundary_at(look, event, surface, &place, &room);
+    if (spec && surface->painted && !is_clear(look, spec)) return false;
     Vec3f direction, normal = place.normal;
-    if (surface && surface->roughness > 0) normal = facet_normal(look, spec, normal);
+    if (spec && surface->roughness > 0) normal = facet_normal(look, spec, normal);
     bool passes = bend(look, event, normal, &direction);
     /* which side the line is on then is the geometry's to say */
     if ((vec3f_dot(direction, place.geometric) < 0) != passes) passes = bend(look, event, place.geometric, &direction);

@@ -35,6 +35,16 @@ static inline const BsdfSpec *path_spec_at(const Path *path, const Event *event,
     path_read_textures(path, event, surface, place, path->wavelengths.nm, room);
     return room;
 }
+/* What a boundary has there that a path crosses, its relief among it; surface may be NULL. Returns its parameters where it is rough or
+ * not clear in all parts, else NULL: by its relief alone, which is not smoothed then. */
+static inline const BsdfSpec *path_boundary_at(const Path *path, const Event *event, const SceneSurface *surface,
+                                               SurfacePlace *place, BsdfSpec *room)
+{
+    if (!surface) return NULL;
+    if (surface->roughness > 0 || surface->painted) return path_spec_at(path, event, surface, place, room);
+    if (surface_has_relief(surface)) path_relief(path, event, surface, 0, place);
+    return NULL;
+}
 /* The parameters of a surface with textures and without relief where a ray hits it; footprint: the size of what need not be
  * told apart. */
 void texture_read_spec(const World *world, const SceneSurface *surface, const Ray *ray, const Hit *hit,

@@ -319,6 +319,21 @@ static void what_is_behind_clear_surfaces_is_seen_by_refraction(void **state)
     for (size_t i = 0; i < COUNT_OF(cases); i++) check_behind(&cases[i]);
 }
 
+/* Into a block with the wall in it, whose face rises by a fifth: that bends a line once. */
+static void relief_bends_a_line_once(void **state)
+{
+    (void)state;
+    const double rise = atan(.2), bent = rise - asin(sin(rise) / 1.5);
+    Fixture f;
+    Image image;
+    render(BEHIND("box { from = <-9, -9, -9> to = <9, 9, 1> interior = glass surface = surface { "
+                  "bump = gradient { wave = once scale(40) translate(<-20, 0, 0>) } bump_height = 8 } }"),
+           ALL, 1, &f, &image);
+    assert_near(fabs(mean_of(&image, "behind.P.X") - mean_of(&image, "P.X")), 6 * tan(bent), 1e-3);
+    image_clear(&image);
+    fixture_clear(&f);
+}
+
 /* Of what scatters behind glass there is as much as it scatters; half of a sheet is as much as covers. */
 static void what_covers_in_part_has_its_part(void **state)
 {
@@ -444,6 +459,7 @@ int main(void)
         cmocka_unit_test(what_parts_is_seen_once),
         cmocka_unit_test(what_is_seen_first),
         cmocka_unit_test(what_is_behind_clear_surfaces_is_seen_by_refraction),
+        cmocka_unit_test(relief_bends_a_line_once),
         cmocka_unit_test(what_covers_in_part_has_its_part),
         cmocka_unit_test(paint_has_its_colour),
         cmocka_unit_test(names_are_hashed_as_others_do),

@@ -250,6 +250,26 @@ static void frost_and_tint(void **state)
     end(&f);
 }
 
+/* A face that rises by a fifth, clear and half painted: the angle is to where it leans, once. */
+static void relief_leans_once(void **state)
+{
+    (void)state;
+    static const char *const paints[] = {"", " transmission = .5"};
+    for (int i = 0; i < 2; i++) {
+        Followed f;
+        char text[1000];
+        snprintf(text, sizeof text,
+                 FIXTURE_MEDIA
+                 "box { interior = glass from = <-9, -9, -9> to = <9, 9, 0> surface = surface { "
+                 "bump = gradient { wave = once scale(40) translate(<-20, 0, 0>) } bump_height = 8%s } }" FIXTURE_VIEW,
+                 paints[i]);
+        follow(&f, text, vec3(1, 2, 20), vec3(0, 0, -1), .6f);
+        assert_same(step(&f, 0, 0)->angle, atan(.2), 2e-3);
+        assert_same(step(&f, 0, 0)->on, asin(sin(atan(.2)) / 1.5), 2e-3);
+        end(&f);
+    }
+}
+
 static void no_ray_starts_on_a_surface(void **state)
 {
     (void)state;
@@ -269,10 +289,14 @@ static void no_ray_starts_on_a_surface(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(through_a_plate),  cmocka_unit_test(bow_of_a_drop),
-        cmocka_unit_test(ways_carry_all),   cmocka_unit_test(hidden_surfaces_are_none),
-        cmocka_unit_test(total_reflection), cmocka_unit_test(sheets_and_mirrors),
-        cmocka_unit_test(frost_and_tint),   cmocka_unit_test(no_ray_starts_on_a_surface)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(through_a_plate),
+                                       cmocka_unit_test(bow_of_a_drop),
+                                       cmocka_unit_test(ways_carry_all),
+                                       cmocka_unit_test(hidden_surfaces_are_none),
+                                       cmocka_unit_test(total_reflection),
+                                       cmocka_unit_test(sheets_and_mirrors),
+                                       cmocka_unit_test(frost_and_tint),
+                                       cmocka_unit_test(relief_leans_once),
+                                       cmocka_unit_test(no_ray_starts_on_a_surface)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
