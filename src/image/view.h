@@ -24,9 +24,8 @@ const char *color_config_default_view(const ColorConfig *config, const char *dis
 typedef struct ColorLook {
     const char *display, *view; /* NULL: the defaults */
     Exposure exposure;          /* before that; an automatic one is found by output_look_for() of cli/output.h first */
-    double
-        white_balance; /* before that, the temperature of light that is shown white, K; 0: as it is. image_for_display()'s */
-    bool alpha;        /* a picture for a display keeps its alpha, and is not over black */
+    double white_balance; /* before that, by image_for_display() of cli/output.h: of which light is white, K; 0: none */
+    bool alpha;           /* a picture for a display keeps its alpha, and is not over black */
 } ColorLook;
 
 /* Applies that to R, G, B (and keeps A) of a scene-linear picture of the

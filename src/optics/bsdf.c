@@ -94,17 +94,12 @@ static void add_facets(Bsdf *bsdf, float share, const BsdfConductor *like, float
     note_opaque(bsdf, lobe, conductor->mean, conductor->facets.smooth);
 }
 
-void bsdf_add_filmed_conductor(Bsdf *bsdf, float share, Lanes n, Lanes k, const ThinFilm *film, float alpha_x,
-                               float alpha_y)
+void bsdf_add_conductor(Bsdf *bsdf, float share, Lanes n, Lanes k, float alpha_x, float alpha_y, const ThinFilm *film)
 {
-    const BsdfConductor filmed = {
-        .n = n, .k = k, .mean = thin_film_mean_reflectance(film, lanes_all(1), n, k), .filmed = true, .film = *film};
-    add_facets(bsdf, share, &filmed, alpha_x, alpha_y);
-}
-
-void bsdf_add_conductor(Bsdf *bsdf, float share, Lanes n, Lanes k, float alpha_x, float alpha_y)
-{
-    add_facets(bsdf, share, &(BsdfConductor){.n = n, .k = k, .mean = fresnel_conductor_mean(n, k)}, alpha_x, alpha_y);
+    BsdfConductor conductor = {.n = n, .k = k, .filmed = film != NULL};
+    if (film) conductor.film = *film;
+    conductor.mean = film ? thin_film_mean_reflectance(film, lanes_all(1), n, k) : fresnel_conductor_mean(n, k);
+    add_facets(bsdf, share, &conductor, alpha_x, alpha_y);
 }
 
 void bsdf_add_mirrors(Bsdf *bsdf, float share, float alpha_x, float alpha_y)
@@ -169,18 +164,20 @@ static bool find_blurred(BsdfBoundary *boundary)
     return !lanes_zero(boundary->blurred);
 }
 
-void bsdf_add_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, float alpha_x, float alpha_y)
+void bsdf_add_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, float alpha_x, float alpha_y,
+                       const ThinFilm *film)
 {
     BsdfLobe *lobe = add_lobe(bsdf, BSDF_BOUNDARY, share);
     if (!lobe) return;
     BsdfBoundary *boundary = &lobe->as.boundary;
     boundary->facets = facets_make(alpha_x, alpha_y);
     boundary->known[0] = boundary->known[1] = NULL;
-    boundary->filmed = false;
+    boundary->filmed = film != NULL;
+    if (film) boundary->film = *film;
     boundary->eta_i = eta_i;
     boundary->eta_t = eta_t;
     bsdf->transmits = true;
-    boundary->facets.smooth = boundary->facets.smooth || !find_blurred(boundary);
+    boundary->facets.smooth = boundary->facets.smooth || film || !find_blurred(boundary);
     if (boundary->facets.smooth) return;
     bsdf->specular_only = false;
     Lanes eta = lanes_div(boundary->eta_t, eta_i);
@@ -217,15 +214,6 @@ void bsdf_add_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, float 
         lanes_set(&boundary->transmitted_norm, i, transmitted / (SAMPLING_PI * mean_there));
         lanes_set(&boundary->reflected_norm, i, (1 - transmitted) / (SAMPLING_PI * mean_here));
     }
-}
-
-void bsdf_add_filmed_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, const ThinFilm *film)
-{
-    uint32_t n = bsdf->n_lobes;
-    bsdf_add_boundary(bsdf, share, eta_i, eta_t, 0, 0);
-    if (bsdf->n_lobes == n) return;
-    bsdf->lobes[n].as.boundary.filmed = true;
-    bsdf->lobes[n].as.boundary.film = *film;
 }
 
 void bsdf_begin_coat(Bsdf *bsdf, Lanes eta, float alpha_x, float alpha_y, Lanes tint)

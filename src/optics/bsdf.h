@@ -70,11 +70,8 @@ void bsdf_set_balance(Bsdf *bsdf, const Balance *balance);
 void bsdf_add_diffuse(Bsdf *bsdf, float share, Lanes albedo, float roughness);
 /* Lambert's law for light that comes out on the far side. */
 void bsdf_add_translucent(Bsdf *bsdf, float share, Lanes albedo);
-/* n + i k relative to the medium in front. */
-void bsdf_add_conductor(Bsdf *bsdf, float share, Lanes n, Lanes k, float alpha_x, float alpha_y);
-/* The same with a film on it; all relative to the medium in front. */
-void bsdf_add_filmed_conductor(Bsdf *bsdf, float share, Lanes n, Lanes k, const ThinFilm *film, float alpha_x,
-                               float alpha_y);
+/* n + i k relative to the medium in front, and so is the film on it; NULL: there is none. */
+void bsdf_add_conductor(Bsdf *bsdf, float share, Lanes n, Lanes k, float alpha_x, float alpha_y, const ThinFilm *film);
 /* Facets that reflect all. */
 void bsdf_add_mirrors(Bsdf *bsdf, float share, float alpha_x, float alpha_y);
 /* Not under a coat. A clear layer of relative index eta over a diffuse base; tint: what a crossing of the layer along
@@ -83,10 +80,10 @@ void bsdf_add_plastic(Bsdf *bsdf, float share, Lanes eta, float alpha_x, float a
                       float roughness);
 /* The same with a layer that was made before, with bsdf_kept.h: not owned. */
 void bsdf_add_plastic_kept(Bsdf *bsdf, float share, const BsdfLayer *skin, Lanes albedo, float roughness);
-/* The boundary between the medium of view, eta_i, and the one behind. */
-void bsdf_add_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, float alpha_x, float alpha_y);
-/* A smooth one with a film on it, relative to the vacuum. */
-void bsdf_add_filmed_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, const ThinFilm *film);
+/* The boundary between the medium of view, eta_i, and the one behind. film: NULL, or one on it, relative to what the indices are; it is
+ * smooth then, whatever the alphas. */
+void bsdf_add_boundary(Bsdf *bsdf, float share, Lanes eta_i, Lanes eta_t, float alpha_x, float alpha_y,
+                       const ThinFilm *film);
 /* A dielectric sheet without thickness, all its internal reflections summed; eta relative to the medium on both sides;
  * tint: what one crossing along the normal leaves. Both lobes, reflected and straight on, have the same facets. film:
  * NULL where it is too thick for interference; else relative to that medium, and of index eta. */

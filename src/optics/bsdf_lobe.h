@@ -8,10 +8,10 @@
 #include "base/lanes.h"
 #include "base/vec3.h"
 #include "optics/direction_grid.h"
-#include "optics/thin_film.h"
 #include "optics/layered.h"
 #include "optics/microfacet.h"
 #include "optics/stretched.h"
+#include "optics/thin_film.h"
 
 /* A rough surface's facets; smooth: there are none. */
 typedef struct BsdfFacets {

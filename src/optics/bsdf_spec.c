@@ -60,9 +60,12 @@ static Lanes at(const Making *m, const Spectrum *spectrum)
     return spectrum_at(spectrum, m->nm);
 }
 
-static ThinFilm film_of(const Making *m, const Spectrum *ior, Lanes medium)
+/* The surface's film, of that index, relative to a medium; NULL: it has none. */
+static const ThinFilm *film_of(const Making *m, const Spectrum *ior, Lanes medium, ThinFilm *room)
 {
-    return thin_film_make(at(m, ior), medium, m->spec->film_thickness_nm, m->nm);
+    if (m->spec->film_thickness_nm < 0) return NULL;
+    *room = thin_film_make(at(m, ior), medium, m->spec->film_thickness_nm, m->nm);
+    return room;
 }
 
 static void add_metal(const Making *m, float share, Lanes above)
@@ -74,12 +77,8 @@ static void add_metal(const Making *m, float share, Lanes above)
     } else {
         k = metal_of_reflectance(m->base_color);
     }
-    if (m->spec->film_thickness_nm >= 0) {
-        const ThinFilm film = film_of(m, &m->spec->film_ior, above);
-        bsdf_add_filmed_conductor(m->bsdf, share, n, k, &film, m->alpha_x, m->alpha_y);
-    } else {
-        bsdf_add_conductor(m->bsdf, share, n, k, m->alpha_x, m->alpha_y);
-    }
+    ThinFilm film;
+    bsdf_add_conductor(m->bsdf, share, n, k, m->alpha_x, m->alpha_y, film_of(m, &m->spec->film_ior, above, &film));
 }
 
 static void add_dielectric(const Making *m, float share)
@@ -134,20 +133,16 @@ static void add_coated(const Making *m, float metal, float dielectric)
 static void add_clear(const Making *m, float share, Lanes eta_t)
 {
     const BsdfSpec *spec = m->spec;
-    const bool filmed = spec->film_thickness_nm >= 0;
+    ThinFilm film;
     if (!spec->thin_walled) {
-        const ThinFilm film =
-            filmed ? film_of(m, &spec->film_ior, lanes_all(1)) : (ThinFilm){lanes_all(1), lanes_all(1)};
-        if (filmed)
-            bsdf_add_filmed_boundary(m->bsdf, share, m->eta_i, eta_t, &film);
-        else
-            bsdf_add_boundary(m->bsdf, share, m->eta_i, eta_t, m->alpha_x, m->alpha_y);
+        bsdf_add_boundary(m->bsdf, share, m->eta_i, eta_t, m->alpha_x, m->alpha_y,
+                          film_of(m, &spec->film_ior, lanes_all(1), &film));
         return;
     }
     Lanes eta = bsdf_weakened(lanes_div(at(m, &spec->specular_ior), m->eta_i), spec->specular_weight);
-    ThinFilm film = filmed ? film_of(m, &spec->specular_ior, m->eta_i) : (ThinFilm){lanes_all(1), lanes_all(1)};
-    film.delay = lanes_mul(film.delay, lanes_div(film.ior, eta)); /* weakened, it is as long on its way */
-    film.ior = eta;
+    const bool filmed = film_of(m, &spec->specular_ior, m->eta_i, &film);
+    if (filmed)
+        film = (ThinFilm){eta, lanes_mul(film.delay, lanes_div(film.ior, eta))}; /* weakened, as long on its way */
     bsdf_add_sheet(m->bsdf, share, eta, m->alpha_x, m->alpha_y, at(m, &spec->transmission_color),
                    filmed ? &film : NULL);
 }

@@ -64,7 +64,7 @@ static float airy(Complex a, Complex b, Complex turn)
 static float airy_real(float a, float b, float cosine)
 {
     const float both = a * b, beside = 2 * both * cosine;
-    return fmaxf(a * a + b * b + beside, 0) / (1 + both * both + beside + 1e-12f);
+    return float_max(a * a + b * b + beside, 0) / (1 + both * both + beside + 1e-12f);
 }
 
 /* Where nothing absorbs, and nothing is reflected totally: in terms of q = n cos of each medium. */
@@ -91,7 +91,7 @@ static float reflectance_of_one(float cosine, float eta_i, float ior, Complex be
     if (behind.im == 0 && within > 0) {
         const float q[3] = {eta_i * cosine, sqrtf(within), sqrtf(behind_square.re - along_square)},
                     n[3] = {eta_i, ior, behind.re};
-        return fminf(reflectance_of_clear(q, n, delay), 1);
+        return float_min(reflectance_of_clear(q, n, delay), 1);
     }
     const Complex q_i = {eta_i * cosine, 0}, q = root(minus(ior_square, sine)), q_t = root(minus(behind_square, sine));
     const float decay = expf(-delay * q.im);
@@ -100,13 +100,13 @@ static float reflectance_of_one(float cosine, float eta_i, float ior, Complex be
     const Complex p_i = scaled(q_i, 1 / (eta_i * eta_i)), p = scaled(q, 1 / ior_square.re),
                   p_t = over(q_t, behind_square);
     const Complex along_i = over(minus(p_i, p), plus(p_i, p)), along_t = over(minus(p, p_t), plus(p, p_t));
-    return fminf(0.5f * (airy(across_i, across_t, turn) + airy(along_i, along_t, turn)), 1);
+    return float_min(0.5f * (airy(across_i, across_t, turn) + airy(along_i, along_t, turn)), 1);
 }
 
 Lanes thin_film_reflectance(const ThinFilm *film, float cosine, Lanes eta_i, Lanes eta_t, Lanes k)
 {
     Lanes reflected = lanes_all(0);
-    cosine = fminf(fmaxf(cosine, 0), 1);
+    cosine = float_min(float_max(cosine, 0), 1);
     for (int i = 0; i < LANES; i++) {
         const Complex behind = {lanes_get(eta_t, i), lanes_get(k, i)};
         lanes_set(&reflected, i,

@@ -3,6 +3,7 @@
 #ifndef MEN_THIN_FILM_H
 #define MEN_THIN_FILM_H
 
+#include "base/angle.h"
 #include "base/lanes.h"
 
 /* Indices are relative to any one medium, the same for the film and what it lies between. */
@@ -14,8 +15,8 @@ typedef struct ThinFilm {
 /* Relative to a medium: both indices are in vacuum, and so is the wavelength. */
 static inline ThinFilm thin_film_make(Lanes ior, Lanes of_medium, float thickness_nm, Lanes wavelength_nm)
 {
-    const float pi = 3.14159265f, thinnest = 1e-3f;
-    Lanes turns = lanes_div(lanes_all(4 * pi * (thickness_nm > thinnest ? thickness_nm : thinnest)), wavelength_nm);
+    const float thinnest = 1e-3f;
+    Lanes turns = lanes_div(lanes_all(4 * (float)MEN_PI * float_max(thickness_nm, thinnest)), wavelength_nm);
     return (ThinFilm){lanes_div(ior, of_medium), lanes_mul(turns, of_medium)};
 }
 

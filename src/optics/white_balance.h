@@ -3,9 +3,6 @@
 #ifndef MEN_WHITE_BALANCE_H
 #define MEN_WHITE_BALANCE_H
 
-#define WHITE_BALANCE_MIN_K 1000.0
-#define WHITE_BALANCE_MAX_K 40000.0
-
 /* Linear colours of the working space, as seen by eyes that have adapted to the light of a black body of that temperature (K):
  * that light becomes grey, (1,1,1) where it was as bright as white. By scaling the responses of "Bradford" cones: K. M. Lam's
  * transform, linearized, as in ICC.1:2022 annex E; M. D. Fairchild, "Color Appearance Models", 3rd ed., chapter 9. matrix[row][column]. */

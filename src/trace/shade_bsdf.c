@@ -464,7 +464,7 @@ void path_bsdf_of_boundary(Path *path, const Event *event, const SceneSurface *s
     bsdf_set_balance(bsdf, kept ? kept->balance : NULL);
     float alpha_x, alpha_y;
     bsdf_alphas(spec->specular_roughness, spec->specular_roughness_anisotropy, &alpha_x, &alpha_y);
-    bsdf_add_boundary(bsdf, 1, eta_i, eta_t, alpha_x, alpha_y);
+    bsdf_add_boundary(bsdf, 1, eta_i, eta_t, alpha_x, alpha_y, NULL);
 }
 
 bool path_cross_rough(Path *path, Event *event, const SceneSurface *surface, const BsdfSpec *spec,

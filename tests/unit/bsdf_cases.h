@@ -92,7 +92,7 @@ static inline Lanes case_make(const BsdfCase *c, int hero, bool behind, Bsdf *bs
     if (!strncmp(c->name, "boundary", 8)) {
         back = case_lanes(c->other, c->spread, hero);
         bool swap = behind != (strstr(c->name, " in") != NULL);
-        bsdf_add_boundary(bsdf, 1, swap ? back : front, swap ? front : back, alpha, alpha_y);
+        bsdf_add_boundary(bsdf, 1, swap ? back : front, swap ? front : back, alpha, alpha_y, NULL);
         Lanes square = lanes_mul(back, back);
         *square_behind = swap ? front : square;
         return swap ? square : front;
@@ -100,7 +100,7 @@ static inline Lanes case_make(const BsdfCase *c, int hero, bool behind, Bsdf *bs
     *square_behind = front;
     if (!strncmp(c->name, "conductor", 9))
         bsdf_add_conductor(bsdf, 1, case_lanes(c->other, 0.3f * c->spread, hero), case_lanes(3, 0.2f, hero), alpha,
-                           alpha_y);
+                           alpha_y, NULL);
     else if (!strncmp(c->name, "diffuse", 7))
         bsdf_add_diffuse(bsdf, 1, case_lanes(c->other, c->spread, hero), c->roughness);
     else if (!strncmp(c->name, "plastic", 7))
@@ -116,7 +116,7 @@ static inline Lanes case_make(const BsdfCase *c, int hero, bool behind, Bsdf *bs
     } else if (!strncmp(c->name, "fuzz", 4)) {
         Lanes color = case_lanes(0.7f, 0.2f, hero), eta = case_lanes(1.5f, 0.02f, hero);
         if (strstr(c->name, "metal"))
-            bsdf_add_conductor(bsdf, 1, case_lanes(0.2f, 0.3f, hero), case_lanes(3, 0.2f, hero), alpha, alpha);
+            bsdf_add_conductor(bsdf, 1, case_lanes(0.2f, 0.3f, hero), case_lanes(3, 0.2f, hero), alpha, alpha, NULL);
         else
             bsdf_add_plastic(bsdf, 1, eta, alpha, alpha_y, tint, color, 0.3f);
         bsdf_set_fuzz(bsdf, 0.9f, case_lanes(0.6f, 0.3f, hero), c->other);
@@ -124,7 +124,7 @@ static inline Lanes case_make(const BsdfCase *c, int hero, bool behind, Bsdf *bs
         Lanes color = case_lanes(0.6f, 0.3f, hero);
         bsdf_begin_coat(bsdf, case_lanes(c->other, c->spread, hero), alpha, alpha_y, tint);
         if (strstr(c->name, "metal"))
-            bsdf_add_conductor(bsdf, 1, case_lanes(0.2f, 0.3f, hero), case_lanes(3, 0.2f, hero), 0.2f, 0.2f);
+            bsdf_add_conductor(bsdf, 1, case_lanes(0.2f, 0.3f, hero), case_lanes(3, 0.2f, hero), 0.2f, 0.2f, NULL);
         else {
             bsdf_add_mirrors(bsdf, 0.1f, 0.3f, 0.1f);
             bsdf_add_diffuse(bsdf, 0.9f, color, 0.7f);
@@ -133,12 +133,12 @@ static inline Lanes case_make(const BsdfCase *c, int hero, bool behind, Bsdf *bs
     } else {
         bool smooth = strstr(c->name, "smooth");
         Lanes eta = case_lanes(1.5f, c->spread, hero);
-        bsdf_add_conductor(bsdf, 0.1f * c->other, lanes_all(0.2f), case_lanes(3, 0.2f, hero), alpha, alpha);
+        bsdf_add_conductor(bsdf, 0.1f * c->other, lanes_all(0.2f), case_lanes(3, 0.2f, hero), alpha, alpha, NULL);
         bsdf_add_plastic(bsdf, 0.7f * c->other, eta, smooth ? 0 : alpha, smooth ? 0 : alpha_y, tint,
                          case_lanes(0.5f, 0.3f, hero), c->roughness);
         bsdf_begin_coat(bsdf, case_lanes(1.6f, c->spread, hero), smooth ? 0 : 0.05f, smooth ? 0 : 0.05f,
                         case_lanes(0.8f, 0.1f, hero));
-        bsdf_add_conductor(bsdf, 0.2f * c->other, lanes_all(0.2f), case_lanes(3, 0.2f, hero), alpha, alpha);
+        bsdf_add_conductor(bsdf, 0.2f * c->other, lanes_all(0.2f), case_lanes(3, 0.2f, hero), alpha, alpha, NULL);
         bsdf_add_diffuse(bsdf, 0.3f * (1 - c->other), case_lanes(0.5f, 0.3f, hero), 0.5f);
         bsdf_end_coat(bsdf);
         bsdf_add_sheet(bsdf, 0.7f * (1 - c->other), eta, alpha, alpha, tint, NULL);

@@ -70,7 +70,7 @@ static void boundaries_keep_all_light(void **unused)
                 bsdf_begin(&bsdf);
                 Lanes air = lanes_all(1), glass = lanes_all(indices[i]);
                 float alpha = roughnesses[k] * roughnesses[k];
-                bsdf_add_boundary(&bsdf, 1, inside ? glass : air, inside ? air : glass, alpha, alpha);
+                bsdf_add_boundary(&bsdf, 1, inside ? glass : air, inside ? air : glass, alpha, alpha, NULL);
                 double off = departure(&bsdf, 32, &grazing);
                 printf(" %5.1f", off * 1000);
                 worst = fmax(worst, off);
@@ -101,7 +101,7 @@ static void white_surfaces_stay_white(void **unused)
             bsdf_begin(&bsdf);
             if (i == 7) bsdf_begin_coat(&bsdf, lanes_all(1.5f), alpha, alpha, white);
             if (i == 8) bsdf_begin_coat(&bsdf, lanes_all(1.5f), 0.01f, 0.01f, white);
-            if (i == 0 || i == 8) bsdf_add_conductor(&bsdf, 1, white, mirror, alpha, alpha);
+            if (i == 0 || i == 8) bsdf_add_conductor(&bsdf, 1, white, mirror, alpha, alpha, NULL);
             if (i == 1) bsdf_add_diffuse(&bsdf, 1, white, r);
             if (i >= 2 && i < 6) bsdf_add_plastic(&bsdf, 1, lanes_all(eta[i - 2]), alpha, alpha, white, white, 0);
             if (i == 6) bsdf_add_sheet(&bsdf, 1, lanes_all(1.5f), alpha, alpha, white, NULL);
@@ -386,9 +386,9 @@ static void stretched_boundaries_agree(void **unused)
     for (int i = 0; i < 40; i++) {
         float z = 0.05f + 0.95f * (float)i / 39, eta = 1 + 0.04f * (float)(i % 10 + 1);
         bsdf_begin(&round);
-        bsdf_add_boundary(&round, 1, lanes_all(1), lanes_all(eta), 0.25f, 0.25f);
+        bsdf_add_boundary(&round, 1, lanes_all(1), lanes_all(eta), 0.25f, 0.25f, NULL);
         bsdf_begin(&stretched);
-        bsdf_add_boundary(&stretched, 1, lanes_all(1), lanes_all(eta), 0.25f, 0.2499f);
+        bsdf_add_boundary(&stretched, 1, lanes_all(1), lanes_all(eta), 0.25f, 0.2499f, NULL);
         Vec3f view = direction_at(z, 1), light = direction_at(0.7f, 2);
         for (int side = 0; side < 2; side++, light.z = -light.z) {
             Lanes f, g, pdf;

@@ -406,22 +406,23 @@ static void nothing_breaks_it(void **unused)
         Lanes eta = awkward_lanes(&state, 1, random_unit(&state) < 0.5f ? 1.00001f : 3),
               color = awkward_lanes(&state, 0, 1);
         bool alike = lanes_max(eta) < 1.1f * lanes_min(eta);
-        if (kind == 0) bsdf_add_boundary(&bsdf, 1, lanes_all(awkward(&state, 1, 3)), eta, a, b);
-        if (kind == 1) bsdf_add_boundary(&bsdf, 1, eta, lanes_all(1), a, b);
-        if (kind == 2) bsdf_add_conductor(&bsdf, 1, awkward_lanes(&state, 0, 4), awkward_lanes(&state, 0, 9), a, b);
+        if (kind == 0) bsdf_add_boundary(&bsdf, 1, lanes_all(awkward(&state, 1, 3)), eta, a, b, NULL);
+        if (kind == 1) bsdf_add_boundary(&bsdf, 1, eta, lanes_all(1), a, b, NULL);
+        if (kind == 2)
+            bsdf_add_conductor(&bsdf, 1, awkward_lanes(&state, 0, 4), awkward_lanes(&state, 0, 9), a, b, NULL);
         if (kind == 3) bsdf_add_plastic(&bsdf, 1, lanes_div(eta, lanes_all(1.3f)), a, i % 3 ? a : b, color, color, b);
         const ThinFilm film = case_film(eta, kind == 4 && i % 5 == 0 ? awkward_lanes(&state, 0, 100) : eta);
         if (kind == 4) bsdf_add_sheet(&bsdf, 1, eta, a, b, color, i % 5 ? NULL : &film);
         if (kind == 5) {
             bsdf_add_diffuse(&bsdf, a, color, b);
-            bsdf_add_conductor(&bsdf, b * 0.5f, eta, eta, a, b);
+            bsdf_add_conductor(&bsdf, b * 0.5f, eta, eta, a, b, NULL);
         }
         if (kind == 6) bsdf_add_translucent(&bsdf, b, color);
         if (kind >= 2 && i % 3) {
             Lanes coat = i % 5 ? eta : lanes_div(lanes_all(1), eta);
             bsdf_begin_coat(&bsdf, coat, b, i % 3 ? b : a, color);
             bsdf_add_diffuse(&bsdf, a, color, b);
-            bsdf_add_conductor(&bsdf, b, eta, eta, a, b);
+            bsdf_add_conductor(&bsdf, b, eta, eta, a, b, NULL);
             bsdf_add_mirrors(&bsdf, a, b, b);
             bsdf_end_coat(&bsdf);
         }
@@ -467,7 +468,8 @@ static void smooth_is_the_limit(void **unused)
                 Bsdf bsdf;
                 bsdf_begin(&bsdf);
                 float alpha = rough ? 1.01e-3f : 0.99e-3f;
-                bsdf_add_boundary(&bsdf, 1, lanes_all(inside ? 1.5f : 1), lanes_all(inside ? 1 : 1.5f), alpha, alpha);
+                bsdf_add_boundary(&bsdf, 1, lanes_all(inside ? 1.5f : 1), lanes_all(inside ? 1 : 1.5f), alpha, alpha,
+                                  NULL);
                 assert_true(bsdf.specular_only == !rough);
                 for (int i = 0; i < N; i++) {
                     float u[2] = {random_unit(&state), random_unit(&state)};
@@ -487,7 +489,7 @@ static void smooth_is_the_limit(void **unused)
         float eta = 1 + powf(10, -1 - 0.5f * (float)i);
         Bsdf bsdf;
         bsdf_begin(&bsdf);
-        bsdf_add_boundary(&bsdf, 1, lanes_all(1), lanes_all(eta), 0.5f, 0.5f);
+        bsdf_add_boundary(&bsdf, 1, lanes_all(1), lanes_all(eta), 0.5f, 0.5f, NULL);
         Vec3f view = direction_at(0.4f, 2);
         double straight = 0;
         for (int k = 0; k < 4000; k++) {

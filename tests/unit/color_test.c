@@ -439,7 +439,7 @@ static void light_is_shown_white(void **unused)
     static const double published[3][3] = {
         {0.8446965, -0.1179225, 0.3948108}, {-0.1366303, 1.1041226, 0.1291718}, {0.0798489, -0.1348999, 3.1924009}};
     float table[SPECTRUM_SAMPLES], matrix[3][3];
-    for (double kelvin = WHITE_BALANCE_MIN_K; kelvin <= WHITE_BALANCE_MAX_K; kelvin *= 1.3) {
+    for (double kelvin = 1000; kelvin <= 40000; kelvin *= 1.3) {
         Spectrum light = spectrum_blackbody(kelvin, table);
         double rgb[3], balanced[3];
         color_from_spectrum(&light, rgb);
