@@ -16,12 +16,6 @@ typedef struct Contact {
     double area, rounding;
 } Contact;
 
-static bool is_opaque(const CompiledScene *compiled, uint32_t object)
-{
-    return compiled->hull_of_object[object] == SCENE_NONE && !scene_is_thin(compiled->scene, object) &&
-           compiled->scene->objects[object].light == SCENE_NONE;
-}
-
 /* One end of a line within a hull; normal: outward, of the hull. area: for what the line stands. */
 static void look_at_end(const CompiledScene *compiled, Vec3 place, double time, const Hit *hit, double area,
                         Contact *contact)
@@ -32,7 +26,8 @@ static void look_at_end(const CompiledScene *compiled, Vec3 place, double time, 
     compiled_surfaces_at(compiled, place, time, &here);
     for (uint32_t i = 0; i < here.n; i++) {
         const RtcSurface *surface = &here.items[i];
-        if (!is_opaque(compiled, surface->object) || fabsf(vec3f_dot(surface->normal, hit->normal)) < 0.999f) continue;
+        if (!report_is_opaque(compiled, surface->object) || fabsf(vec3f_dot(surface->normal, hit->normal)) < 0.999f)
+            continue;
         if (contact->n++ == 0) contact->object = surface->object;
         contact->others |= surface->object != contact->object;
         contact->area += area / cosine / LINE_DIRECTIONS;
@@ -102,7 +97,7 @@ void report_contacts(const CompiledScene *compiled, Diag *diag)
     ReportLikes likes = {.n = 0};
     uint32_t n_lines = report_lines_of_each(compiled->n_hulls);
     bool any = false, good = probe_init(&probe, compiled, NULL) == STATUS_OK;
-    for (uint32_t i = 0; !any && i < compiled->scene->n_objects; i++) any = is_opaque(compiled, i);
+    for (uint32_t i = 0; !any && i < compiled->scene->n_objects; i++) any = report_is_opaque(compiled, i);
     if (n_lines > LINES) n_lines = LINES;
     for (uint32_t h = 0; good && any && h < compiled->n_hulls; h++) {
         Contact contact;

@@ -10,8 +10,8 @@
 #include "base/num.h"
 #include "check/report.h"
 #include "check/report_table.h"
+#include "cli/viewpoint.h"
 #include "optics/color.h"
-#include "trace/path.h"
 
 enum { RAYS_IN_RANGE = 9, RAYS_MOST = 10000, ENDS_SHOWN = 100, WAYS_SHOWN = 20 };
 
@@ -47,7 +47,11 @@ static Status read_wish(const char *text, RayWish *wish, Error *error)
     const char *end = num_parse_list(text, wish->pixel, 2);
     if (end && !*end) {
         wish->through_pixel = true;
-        if (wish->pixel[0] == floor(wish->pixel[0]) && wish->pixel[1] == floor(wish->pixel[1])) return STATUS_OK;
+        bool whole = true;
+        for (int i = 0; i < 2; i++)
+            whole =
+                whole && wish->pixel[i] == floor(wish->pixel[i]) && wish->pixel[i] >= 0 && wish->pixel[i] <= UINT32_MAX;
+        if (whole) return STATUS_OK;
         return refuse(text, "is no pixel", error);
     }
     bool range = false;
@@ -72,7 +76,7 @@ static Status read_wish(const char *text, RayWish *wish, Error *error)
 
 static Status read_wavelengths(CheckRays *rays, const char *text, Error *error)
 {
-    const double least = 360, most = 830;
+    const double least = (double)SPECTRUM_MIN_NM, most = (double)SPECTRUM_MAX_NM;
     for (const char *at = text;; at++) {
         double *nm = &rays->nm[rays->n_nm];
         if (rays->n_nm == RAY_WAVELENGTHS)
@@ -142,15 +146,8 @@ static Status make_ray(const RayWish *wish, uint32_t number, const World *world,
         return fail(error, STATUS_USAGE, "option '--ray': '%s': direction %u of %u is 0", wish->text, number + 1,
                     wish->n);
     }
-    const double *at = wish->pixel;
-    if (at[0] < 0 || at[1] < 0 || at[0] >= view.width || at[1] >= view.height)
-        return fail(error, STATUS_USAGE, "option '--ray': %s is no pixel of the picture, 0,0 to %u,%u", wish->text,
-                    view.width - 1, view.height - 1);
-    const float middle[2] = {0.5f, 0.5f};
-    Footprint footprint;
-    FilmPoint point = {at[0] + 0.5, at[1] + 0.5, view.width, view.height};
-    if (camera_ray(&world->camera, point, middle, ray, &footprint)) return STATUS_OK;
-    return fail(error, STATUS_USAGE, "option '--ray': the camera sees nothing at %s", wish->text);
+    const uint32_t pixel[2] = {(uint32_t)wish->pixel[0], (uint32_t)wish->pixel[1]};
+    return viewpoint_ray(world->compiled, view.camera, pixel, view.width, view.height, "--ray", ray, error);
 }
 
 static Status follow(CheckRays *rays, const World *world, RayView view, Error *error)
@@ -290,12 +287,8 @@ static void add_turns(const LightWays *ways, uint32_t way, Buf *out)
     enum { MOST = 24 };
     const LightWay *own = &ways->ways[way];
     uint32_t n = own->depth + own->n - 1;
-    for (uint32_t k = 0; k < n && k < MOST; k++) {
-        uint32_t at = way;
-        while (k < ways->ways[at].depth) at = ways->ways[at].from;
-        const LightWay *its = &ways->ways[at];
-        buf_add(out, ways->steps[its->first + k - its->depth].turn == LIGHT_PASSES ? "p" : "m");
-    }
+    for (uint32_t k = 0; k < n && k < MOST; k++)
+        buf_add(out, light_ways_step(ways, way, k)->turn == LIGHT_PASSES ? "p" : "m");
     if (n > MOST) buf_add(out, "...");
 }
 

@@ -108,25 +108,12 @@ static void print_json(void *context)
     buf_clear(&diagnostics);
 }
 
-/* The line of sight through the middle of a pixel of the picture that the options ask for. */
+/* The line of sight through a pixel of the picture that the options ask for. */
 static Status look_through_pixel(Check *check, Error *error)
 {
-    const uint32_t *at = check->pixel, width = check->width, height = check->height;
-    if (at[0] >= width || at[1] >= height)
-        return fail(error, STATUS_USAGE, "option '--pixel': %u,%u is no pixel of the picture, 0,0 to %u,%u", at[0],
-                    at[1], (unsigned)width - 1, (unsigned)height - 1);
-    FilmPoint point = {at[0] + 0.5, at[1] + 0.5, width, height};
-    const float middle[2] = {0.5f, 0.5f};
-    SceneCamera camera = check->input.scene->cameras[check->camera];
-    NestList list;
-    nest_list_init(&list);
-    Status status = compiled_stand(check->input.compiled, &camera, &list, NULL, error);
-    nest_list_clear(&list);
-    TRY(status);
     Ray ray;
-    Footprint footprint;
-    if (!camera_ray(&camera, point, middle, &ray, &footprint))
-        return fail(error, STATUS_USAGE, "option '--pixel': %s sees nothing at %u,%u", camera.name, at[0], at[1]);
+    TRY(viewpoint_ray(check->input.compiled, check->camera, check->pixel, check->width, check->height, "--pixel", &ray,
+                      error));
     return sight_line_find(check->input.compiled, &ray, &check->sight, error);
 }
 

@@ -29,6 +29,25 @@ Status viewpoint_size(const SceneInput *input, uint32_t *width, uint32_t *height
     return STATUS_OK;
 }
 
+Status viewpoint_ray(const CompiledScene *compiled, uint32_t camera, const uint32_t pixel[2], uint32_t width,
+                     uint32_t height, const char *option, Ray *ray, Error *error)
+{
+    if (pixel[0] >= width || pixel[1] >= height)
+        return fail(error, STATUS_USAGE, "option '%s': %u,%u is no pixel of the picture, 0,0 to %u,%u", option,
+                    pixel[0], pixel[1], width - 1, height - 1);
+    FilmPoint point = {pixel[0] + 0.5, pixel[1] + 0.5, width, height};
+    const float middle[2] = {0.5f, 0.5f};
+    SceneCamera from = compiled->scene->cameras[camera];
+    NestList list;
+    nest_list_init(&list);
+    Status status = compiled_stand(compiled, &from, &list, NULL, error);
+    nest_list_clear(&list);
+    TRY(status);
+    Footprint footprint;
+    if (camera_ray(&from, point, middle, ray, &footprint)) return STATUS_OK;
+    return fail(error, STATUS_USAGE, "option '%s': %s sees nothing at %u,%u", option, from.name, pixel[0], pixel[1]);
+}
+
 typedef struct CameraReport {
     SceneInput *input;
     const char *wanted;

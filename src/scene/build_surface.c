@@ -216,6 +216,11 @@ static const Need needs[] = {
     "what is clear has the tint of its medium, medium glass { ior = 1.5  tint = rgb(.6, .9, .7)  depth = 1cm }"
 #define FILM "thin = true  ior = 1.4  transmission = 1  film = 300nm"
 
+static bool has_metal(const EvalNode *node)
+{
+    return eval_prop(node, "metal") || eval_prop(node, "metalness");
+}
+
 /* What only panes have, which are thin and let light through. */
 static void check_pane(Builder *b, const EvalNode *node, bool thin, bool pane)
 {
@@ -224,11 +229,6 @@ static void check_pane(Builder *b, const EvalNode *node, bool thin, bool pane)
                                  : "without thin = true and 'transmission'";
     Diagnostic *report = build_needs(b, node, "tint", without);
     if (report && !thin) diag_hint(b->diag, report, "%s", TINTS ", what is matte an albedo");
-}
-
-static bool has_metal(const EvalNode *node)
-{
-    return eval_prop(node, "metal") || eval_prop(node, "metalness");
 }
 
 /* What is thin is a film itself, of its own index. */
@@ -244,7 +244,7 @@ static void check_coat_of_pane(Builder *b, const EvalNode *node)
 {
     const EvalProp *transmission = eval_prop(node, "transmission");
     const bool all_clear = eval_truth(node, "thin") && transmission && !transmission->textured &&
-                           transmission->as.number == 1 && !eval_prop(node, "metal") && !eval_prop(node, "metalness");
+                           transmission->as.number == 1 && !has_metal(node);
     Diagnostic *report = all_clear ? build_needs(b, node, "coat", "on a pane, all of which is clear") : NULL;
     if (report)
         diag_hint(b->diag, report,
@@ -411,8 +411,7 @@ static void check_boundary(Builder *b, const EvalNode *node, Span where)
 
 static void check_opaque(Builder *b, const EvalNode *node)
 {
-    bool thin = eval_truth(node, "thin"),
-         facets = eval_prop(node, "ior") || eval_prop(node, "metal") || eval_prop(node, "metalness");
+    bool thin = eval_truth(node, "thin"), facets = eval_prop(node, "ior") || has_metal(node);
     const EvalProp *transmission = eval_prop(node, "transmission");
     bool lets_through = transmission && (transmission->textured || transmission->as.number > 0);
     if (lets_through && !thin) {

@@ -262,7 +262,8 @@ Status compile_check_camera(const CompiledScene *compiled, uint32_t camera_numbe
         compiled_surfaces_at(compiled, vec3_rounded(standing.from), 0, &here);
         surface = here.items[0];
     }
-    if (status == STATUS_OK && on_surface == SCENE_NONE && may_fly(compiled, camera))
+    bool moved = vec3_length(vec3_sub(standing.from, camera->from)) > 0;
+    if (status == STATUS_OK && on_surface == SCENE_NONE && moved && may_fly(compiled, camera))
         status = report_step(compiled, camera, &list, diag, error);
     if (status == STATUS_OK && (on_surface != SCENE_NONE || in_plane)) {
         report_on_surface(compiled, camera, in_plane, &surface, diag);

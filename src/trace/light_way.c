@@ -29,7 +29,7 @@ typedef struct Meeting {
     SurfacePlace place;
 } Meeting;
 
-static const LightStep *step_of(const LightWays *ways, uint32_t way, uint32_t k)
+const LightStep *light_ways_step(const LightWays *ways, uint32_t way, uint32_t k)
 {
     while (k < ways->ways[way].depth) way = ways->ways[way].from;
     return &ways->steps[ways->ways[way].first + k - ways->ways[way].depth];
@@ -151,9 +151,9 @@ static LightTurn choose(const LightWays *ways, uint32_t way, uint32_t k, const L
 {
     const LightWay *own = &ways->ways[way];
     LightTurn mirrored = step->transmitted > 0 ? LIGHT_MIRRORED : LIGHT_TOTAL;
-    if (k < own->depth) return step_of(ways, way, k)->turn;
+    if (k < own->depth) return light_ways_step(ways, way, k)->turn;
     bool passes = step->transmitted >= step->mirrored;
-    if (k == own->depth && own->from != SCENE_NONE) passes = step_of(ways, own->from, k)->turn != LIGHT_PASSES;
+    if (k == own->depth && own->from != SCENE_NONE) passes = light_ways_step(ways, own->from, k)->turn != LIGHT_PASSES;
     return passes ? LIGHT_PASSES : mirrored;
 }
 

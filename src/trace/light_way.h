@@ -56,5 +56,7 @@ enum { LIGHT_WAYS = 10000, LIGHT_STEPS = 1000 /* of one way */ };
 ATTR_NODISCARD Status light_ways_find(const World *world, const Ray *ray, float nm, float least, LightWays *ways,
                                       Error *error);
 void light_ways_clear(LightWays *ways);
+/* What a way does at its surface number k, from the start of the ray: its own step, or of the way that it parted from. */
+const LightStep *light_ways_step(const LightWays *ways, uint32_t way, uint32_t k);
 
 #endif
