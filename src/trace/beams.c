@@ -36,8 +36,10 @@ Status beams_find(World *world, Error *error)
     world->n_beams = world->n_balls = 0;
     if (!world->slabs.n_boxes || !set->n) return STATUS_OK;
     world->beams = malloc(2 * set->n * sizeof *world->beams);
-    if (!world->beams) return fail_memory(error, set->n * sizeof *world->beams, "lights");
+    world->beam_looks = malloc(set->n * sizeof *world->beam_looks);
+    if (!world->beams || !world->beam_looks) return fail_memory(error, set->n * sizeof *world->beams, "lights");
     world->balls = world->beams + set->n;
+    for (uint32_t i = 0; i < set->n; i++) world->beam_looks[i] = 1;
     for (uint32_t i = 0; i < set->n; i++) {
         if (set->emitters[i].kind != EMITTER_LIGHT) continue;
         const SceneLight *light = &world->scene->lights[set->emitters[i].of];
@@ -49,8 +51,8 @@ Status beams_find(World *world, Error *error)
     return STATUS_OK;
 }
 
-/* Whether one is among n that are in order. */
-static bool is_among(const uint32_t *emitters, uint32_t n, uint32_t emitter)
+/* Which one of n that are in order; n: none. */
+static uint32_t find_among(const uint32_t *emitters, uint32_t n, uint32_t emitter)
 {
     uint32_t low = 0, high = n;
     while (low < high) {
@@ -60,12 +62,13 @@ static bool is_among(const uint32_t *emitters, uint32_t n, uint32_t emitter)
         else
             high = middle;
     }
-    return low < n && emitters[low] == emitter;
+    return low < n && emitters[low] == emitter ? low : n;
 }
 
 bool beams_have(const World *world, uint32_t emitter)
 {
-    return is_among(world->beams, world->n_beams, emitter) || is_among(world->balls, world->n_balls, emitter);
+    return find_among(world->beams, world->n_beams, emitter) < world->n_beams ||
+           find_among(world->balls, world->n_balls, emitter) < world->n_balls;
 }
 
 /* ---- balls ---- */
@@ -156,9 +159,11 @@ static uint32_t sample_beam(const World *world, Vec3 from, double time, double c
     uint32_t n_ways = ways_that_hold(world, from);
     double along = n_ways ? ALONG_WAYS : 0;
     if (choice >= along) {
-        uint32_t emitter = world->beams[(uint32_t)((choice - along) / (1 - along) * world->n_beams)];
-        chosen->place = light_even_place(world, emitter, time, u, &chosen->area);
-        return emitter;
+        double which = (choice - along) / (1 - along) * world->n_beams;
+        uint32_t beam = (uint32_t)which;
+        if (which - beam >= (double)world->beam_looks[beam]) return EMITTER_NONE;
+        chosen->place = light_even_place(world, world->beams[beam], time, u, &chosen->area);
+        return world->beams[beam];
     }
     const BeamWay *way = way_that_holds(world, from, (uint32_t)(choice / along * n_ways));
     if (way->route.mirrored) chosen->mirrored = way;
@@ -206,7 +211,8 @@ double beams_density(const World *world, Vec3 from, uint32_t emitter, Vec3 place
         if (way->emitter == emitter && !way->route.mirrored && beam_way_holds(way, from))
             sum += density_along(world, way, from, place, area) / n_ways;
     }
-    double along = n_ways ? ALONG_WAYS : 0, even = 1 / ((area > 0 ? area : 1) * world->n_beams);
+    double looks = (double)world->beam_looks[find_among(world->beams, world->n_beams, emitter)];
+    double along = n_ways ? ALONG_WAYS : 0, even = looks / ((area > 0 ? area : 1) * world->n_beams);
     return part_of_beams(world) * (along * sum + (1 - along) * even);
 }
 

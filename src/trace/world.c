@@ -344,6 +344,7 @@ void world_clear(World *world)
     media_clear(&world->media);
     slabs_clear(&world->slabs);
     free(world->beams);
+    free(world->beam_looks);
     free(world->beam_ways);
     balances_free(world->balances);
     lens_free(world->lens);
