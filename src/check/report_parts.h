@@ -3,6 +3,8 @@
 #ifndef MEN_REPORT_PARTS_H
 #define MEN_REPORT_PARTS_H
 
+#include <math.h>
+
 #include "scene/lines.h"
 #include "check/report.h"
 #include "check/report_table.h"
@@ -75,6 +77,18 @@ typedef enum ReportSight {
     REPORT_SEEN
 } ReportSight;
 ReportSight report_look_at(const CompiledScene *compiled, Probe *probe, uint32_t hull, uint32_t n_lines);
+/* A stretch of a hull's interval that no hull of higher rank covers; the surfaces at its ends are NULL where the line itself ends. */
+typedef struct ReportStretch {
+    double begin, end;
+    const Hit *from, *until;
+} ReportStretch;
+/* What to go on from to the first one; */
+static inline ReportStretch report_stretch_before(const Interval *own)
+{
+    return (ReportStretch){own->begin, own->begin, own->enter, own->enter};
+}
+/* and the next one that is longer than rounding; false: there is none. */
+bool report_next_seen(const CompiledScene *compiled, const Probe *probe, const Interval *own, ReportStretch *stretch);
 /* How many lines each of n hulls gets. */
 uint32_t report_lines_of_each(uint32_t n);
 /* A plane that is an object of its own. */
@@ -88,6 +102,9 @@ uint32_t report_body_around(const CompiledScene *compiled, Vec3 place, HitList *
 uint32_t report_cover(const CompiledScene *compiled, Vec3 place, HitList *hits);
 /* Warns of liquids with a thin gap to the opaque vessel that they are in. */
 void report_vessels(const CompiledScene *compiled, Diag *diag);
+
+/* Remarks on liquids that come out through the wall of the solid that holds them. */
+void report_leaks(const CompiledScene *compiled, Diag *diag);
 
 /* Remarks on objects that are wholly inside of an opaque one; see report_enclosed_lights for what shines. */
 void report_enclosed(const CompiledScene *compiled, Diag *diag);
@@ -130,6 +147,12 @@ void report_others(Diag *diag, DiagCode code, uint32_t n);
 static inline void report_rest(Diag *diag, DiagCode code, uint32_t n)
 {
     report_others(diag, code, n > REPORT_MOST ? n - REPORT_MOST : 0);
+}
+/* An estimate, rounded. */
+static inline double report_two_digits(double x)
+{
+    double step = pow(10, floor(log10(x)) - 1);
+    return x > 0 ? round(x / step) * step : 0;
 }
 /* In units that suit people: "3.20 cm³", "0.1 mm". */
 void report_add_area(Buf *out, const Scene *scene, double area);

@@ -71,13 +71,11 @@ static bool makes_difference(const CompiledScene *compiled, const Probe *probe, 
     return false;
 }
 
-/* What is seen on one of the hull's intervals: the stretches of it that no hull of higher rank covers. */
-static ReportSight sight_on(const CompiledScene *compiled, const Probe *probe, const Interval *own)
+bool report_next_seen(const CompiledScene *compiled, const Probe *probe, const Interval *own, ReportStretch *stretch)
 {
     const uint32_t *rank = compiled->order.rank;
-    ReportSight sight = REPORT_HIDDEN;
-    double reached = own->begin;
-    const Hit *from = own->enter;
+    double reached = stretch->end;
+    const Hit *from = stretch->until;
     while (reached < own->end) {
         double next = own->end;
         const Hit *until = own->leave;
@@ -97,11 +95,22 @@ static ReportSight sight_on(const CompiledScene *compiled, const Probe *probe, c
         if (covered) continue;
         double cos_from = from ? fabs(from->cos_normal) : 1, cos_until = until ? fabs(until->cos_normal) : 1;
         double rounding = fmax(from ? from->rounding : 0, until ? until->rounding : 0);
-        if ((next - reached) * fmin(cos_from, cos_until) > rounding) {
-            if (makes_difference(compiled, probe, own->hull, reached, next)) return REPORT_SEEN;
-            sight = REPORT_INDIFFERENT;
-        }
+        *stretch = (ReportStretch){reached, next, from, until};
+        if ((next - reached) * fmin(cos_from, cos_until) > rounding) return true;
         reached = next > reached ? next : nextafter(reached, HUGE_VAL);
+        from = until;
+    }
+    return false;
+}
+
+/* What is seen on one of the hull's intervals. */
+static ReportSight sight_on(const CompiledScene *compiled, const Probe *probe, const Interval *own)
+{
+    ReportSight sight = REPORT_HIDDEN;
+    ReportStretch stretch = report_stretch_before(own);
+    while (report_next_seen(compiled, probe, own, &stretch)) {
+        if (makes_difference(compiled, probe, own->hull, stretch.begin, stretch.end)) return REPORT_SEEN;
+        sight = REPORT_INDIFFERENT;
     }
     return sight;
 }

@@ -220,20 +220,13 @@ static bool is_sunken(Sunken *s, Box3 box, double thickness, Depth *depth)
     return depth->in >= least_part * depth->all;
 }
 
-/* An estimate, of two digits. */
-static double rounded(double x)
-{
-    double step = pow(10, floor(log10(x)) - 1);
-    return x > 0 ? round(x / step) * step : 0;
-}
-
 static void report_one(Sunken *s, uint32_t number, const Depth *depth, Diag *diag)
 {
     const SceneObject *sheet = &s->scene->objects[number], *solid = report_object(s->compiled, depth->hull);
     bool covered = 2 * depth->covered > depth->in;
     Buf deep = {0};
     if (++s->n_reports > REPORT_MOST) return;
-    report_add_length(&deep, s->scene, rounded(depth->deepest));
+    report_add_length(&deep, s->scene, report_two_digits(depth->deepest));
     Diagnostic *report = diag_report(diag, D_SUNKEN_SHEET, sheet->span, "%s, which is thin, lies %s of %s, up to %s %s",
                                      sheet->name, covered ? "inside" : "partly inside", solid->name, buf_text(&deep),
                                      covered ? "below its surface: it is seen through what covers it"
