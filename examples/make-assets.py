@@ -637,6 +637,40 @@ def write_label(path):
         out.write(png_chunk(b'IEND', b''))
 
 
+def write_cut(path):
+    """The cutting instructions of a standard brilliant by Tolkowsky's proportions, as GemCad writes them: half of its width is 1."""
+    table, crown, pavilion, star, lower_half, girdle = .53, math.radians(34.5), math.radians(40.75), .5, .77, .03
+
+    def ring(n, radius, height, turn=0):
+        return [(radius * math.sin(turn + 2 * math.pi * k / n), height, radius * math.cos(turn + 2 * math.pi * k / n))
+                for k in range(n)]
+
+    def tier(name, a, b, c, mirrored=False):
+        """The facets that are one of eight with the corners a, b, c, or with their mirror images."""
+        normal = normalized(cross([q - p for p, q in zip(a, b)], [q - p for p, q in zip(a, c)]))
+        distance = sum(n * p for n, p in zip(normal, a))
+        if distance < 0:
+            normal, distance = [-n for n in normal], -distance
+        angle = math.copysign(math.degrees(math.acos(abs(normal[1]))), normal[1])
+        first = 96 * math.atan2(normal[0], normal[2]) / (2 * math.pi)
+        teeth = sorted({round(side * first + 12 * k) % 96 or 96 for k in range(8) for side in ((1, -1) if mirrored else (1,))})
+        return 'a %.8f %.10f %d n %s %s' % (angle, distance, teeth[0], name, ' '.join(map(str, teeth[1:])))
+
+    tip = table * math.cos(math.pi / 8) + star * (1 - table * math.cos(math.pi / 8))
+    height = girdle + (1 - table) * math.tan(crown)
+    tables = ring(8, table, height)
+    stars = ring(8, tip, girdle + (1 - tip * math.cos(math.pi / 8)) * math.tan(crown), math.pi / 8)
+    above, below = ring(16, 1, girdle), ring(16, 1, 0)
+    halves = ring(8, 1 - lower_half, -(1 - (1 - lower_half) * math.cos(math.pi / 8)) * math.tan(pavilion), math.pi / 8)
+    lines = ['GemCad 5.0', 'g 96 0.0', 'y 8 y', 'I 2.417', 'H Standard brilliant, 57 facets and 16 on the girdle',
+             tier('P1', (0, -math.tan(pavilion), 0), halves[0], halves[7]), tier('P2', below[1], below[2], halves[0], True),
+             'a 90.0 %.10f %s' % (math.cos(math.pi / 16), ' '.join(str(3 + 6 * k) for k in range(16))),
+             tier('C1', tables[0], above[0], stars[0]), tier('C2', stars[0], above[1], above[2], True),
+             tier('S', tables[0], tables[1], stars[0]), 'a 0.0 %.10f' % height, 'F M. Tolkowsky, Diamond Design, 1919']
+    with open(path, 'w', newline='') as out:
+        out.write('\r\n'.join(lines) + '\r\n')
+
+
 def main():
     if len(sys.argv) != 2:
         sys.exit('usage: make-assets.py FOLDER')
@@ -650,6 +684,7 @@ def main():
         fish.make().write(os.path.join(folder, name + '.ply'))
     for i in (1, 2):
         make_spruce(i).write(os.path.join(folder, 'spruce%d.ply' % i))
+    write_cut(os.path.join(folder, 'brilliant.asc'))
     write_label(os.path.join(folder, 'label.png'))
     write_studio(os.path.join(folder, 'studio.exr'))
 

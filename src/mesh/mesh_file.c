@@ -18,7 +18,7 @@ static const struct {
     Status (*load)(const char *path, MeshSource *source, Mesh **mesh, Error *error);
 } readers[] = {
     {"ply", mesh_load_ply},   {"obj", mesh_load_obj},  {"stl", mesh_load_stl},
-    {"gltf", mesh_load_gltf}, {"glb", mesh_load_gltf},
+    {"gltf", mesh_load_gltf}, {"glb", mesh_load_gltf}, {"asc", mesh_load_gemcad},
 };
 
 enum { LONGEST_NAME = 255, MOST_NAMES_SHOWN = 8, MOST_MATERIALS = 4096, MOST_BYTES_SHOWN = 20 };

@@ -53,6 +53,7 @@ typedef enum MeshLeft {
     MESH_LEFT_INSTANCES,
     MESH_LEFT_MATERIALS,
     MESH_LEFT_FACE_UVS,
+    MESH_LEFT_DISPERSION,
     MESH_LEFT_COUNT
 } MeshLeft;
 
@@ -96,7 +97,7 @@ typedef struct MeshSource {
 
 void mesh_source_clear(MeshSource *source);
 
-/* Reads a file by its extension: .ply, .obj, .stl, .gltf, .glb. Polygons are fanned; vertices are welded where the
+/* Reads a file by its extension: .ply, .obj, .stl, .gltf, .glb, .asc. Polygons are fanned; vertices are welded where the
  * format splits them; normals are unit. Damaged files, indices out of range, numbers that are not finite, and parts that there
  * are not are STATUS_INPUT with the place. source may be NULL. */
 ATTR_NODISCARD Status mesh_load(const char *path, MeshSource *source, Mesh **mesh, Error *error);
@@ -113,6 +114,10 @@ ATTR_NODISCARD Status mesh_load_stl(const char *path, MeshSource *source, Mesh *
 /* glTF 2.0, .gltf and .glb: see gltf.c. The unit is the metre. Parts: nodes (with what is below), objects (nodes without what
  * is below), meshes, materials. */
 ATTR_NODISCARD Status mesh_load_gltf(const char *path, MeshSource *source, Mesh **mesh, Error *error);
+
+/* Cutting instructions of GemCad, as text: the stone that its facets enclose, see gemcad.c. The unit, about half of a stone's width, is 5 mm. Its
+ * material is called 'stone', with the refractive index that the file says. */
+ATTR_NODISCARD Status mesh_load_gemcad(const char *path, MeshSource *source, Mesh **mesh, Error *error);
 
 /* For readers. How many bytes of a text to quote that stand where something else should: up to the end of the word, but not all
  * of a long one. 0: there is a blank, or the end. */

@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "base/hash.h"
-#include "shape/half_spaces.h"
+#include "mesh/half_spaces.h"
 #include "scene/build_parts.h"
 
 enum { PLANES_TO_MERGE = 4 };

@@ -196,6 +196,18 @@ while read -r line; do printf '%s' "$line" > line; is_json line; done < err
 is_a_scene drink.mns
 end
 
+begin "import: a cut gem, by the instructions of its cutter"
+cp "$root/examples/assets/brilliant.asc" .
+run import brilliant.asc
+exits 0
+says err "one index of refraction for all colours"
+grep -q 'medium stone { ior = 2.417 ' brilliant.mns || flunk "$(cat brilliant.mns)"
+run check brilliant.mns --werror --json
+exits 0
+awk -F'"volume": *' 'NF > 1 { v = $2 + 0 } END { exit !(v > 201.2 && v < 201.3) }' out || flunk "its volume is not that of gems.round_brilliant(): $(cat out)"
+is_a_scene brilliant.mns
+end
+
 begin "import: one message where it cannot be done"
 models
 run import
@@ -211,7 +223,7 @@ says err 'is a scene already'
 echo x > picture.png
 run import picture.png
 exits 4
-says err "cannot tell what kind of mesh 'picture.png' is; .ply, .obj, .stl, .gltf and .glb can be read"
+says err "cannot tell what kind of mesh 'picture.png' is; .ply, .obj, .stl, .gltf, .glb and .asc can be read"
 head -c 2000 drink.glb > cut.glb
 run import cut.glb
 exits 4

@@ -40,6 +40,7 @@ group { gems.rose()  translate(<-4 * 30cm, 0, 40cm>) }
 group { gems.cabochon()  translate(<-3 * 30cm, 0, 40cm>) }
 group { gems.emerald_cut()  translate(<-2 * 30cm, 0, 40cm>) }
 group { gems.princess()  translate(<-1 * 30cm, 0, 40cm>) }
+group { gems.faceted([[90, 1, [0, 24, 48, 72]], [45, .92, [0, 24, 48, 72]], [0, .6], [0, -.2]])  translate(<0, 0, 80cm>) }
 group { shapes.bubbles(5)  translate(<0, 0, 40cm>) }
 group { shapes.bubble_chain(5)  translate(<1 * 30cm, 0, 40cm>) }
 group { shapes.drop { interior = media.water }  translate(<2 * 30cm, 0, 40cm>) }
@@ -104,7 +105,7 @@ begin "std: nothing that it offers is missing from that scene, but whole set-ups
 std_scene mm
 for file in "$root"/src/std/*.mns; do
     for entry in $(sed -n 's/^def \([a-z][a-z0-9_]*\)(.*/\1/p' "$file"); do
-        case $entry in product_shot|tent_shot|cutout_shot|dark_field|gem_shot|abbe|gem_ior|air_at) continue ;; esac
+        case $entry in product_shot|tent_shot|cutout_shot|dark_field|gem_shot|face_up|abbe|gem_ior|air_at) continue ;; esac
         grep -q "\\.$entry\\b" all.mns || flunk "$file: $entry is not tried"
     done
 done
@@ -127,7 +128,7 @@ done
 end
 
 begin "std: whole set-ups in five lines"
-for shot in product_shot tent_shot cutout_shot dark_field gem_shot; do
+for shot in product_shot tent_shot cutout_shot dark_field gem_shot face_up; do
     cat > shot.mns << SCENE
 meniscus 1.0 unit cm
 use "std/gems.mns" as gems

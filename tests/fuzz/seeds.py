@@ -62,6 +62,10 @@ def stl_text():
     return "solid seed\n" + "".join(map(facet, FACES)) + "endsolid seed\n"
 
 
+def gemcad():
+    return b"GemCad 5.0\r\ng 96 0.0\r\ny 4 y\r\nI 1.76\r\nH seed\r\na -90 1 96 n G1 24 48 72\r\na 45 .92 96\r\n24 48 72 G note\r\na 0 .6\r\na -0 .2 96\r\n"
+
+
 def gltf():
     data = b"".join(struct.pack("<3f", *p) for p in POINTS) + b"".join(struct.pack("<3H", *f) for f in FACES)
     document = {
@@ -163,6 +167,7 @@ def main():
     lines = ["o seed"] + ["v %g %g %g" % p for p in POINTS] + ["vt 0 0", "vn 0 0 1", "usemtl glass"]
     put(os.path.join(top, "obj"), "seed.obj", "\n".join(lines + ["f %d//1 %d/1/1 %d" % tuple(i + 1 for i in f) for f in FACES]) + "\n")
     put(os.path.join(top, "obj"), "quad.obj", "\n".join(lines + ["f -1 -2 -3 -4", "g a b", "s off"]) + "\n")
+    put(os.path.join(top, "gemcad"), "block.asc", gemcad())
     put(os.path.join(top, "stl"), "binary.stl", stl())
     put(os.path.join(top, "stl"), "text.stl", stl_text())
     for path in glob.glob(os.path.join(ROOT, "tests", "unit", "*.nvdb")):

@@ -9,7 +9,7 @@
 #include "dice.h"
 #include "scene/lines.h"
 #include "scene_fixture.h"
-#include "shape/half_spaces.h"
+#include "mesh/half_spaces.h"
 
 static const double pi = 3.14159265358979323846;
 

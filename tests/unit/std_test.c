@@ -176,6 +176,8 @@ static void gems_have_their_facets(void **state)
         {"gems.rose()", 24 + 1, 5},
         {"gems.emerald_cut()", 1 + 3 * 8 + 8 + 3 * 8, 6},
         {"gems.princess()", 1 + 4 + 4 + 4 * (1 + 2 + 2), 4},
+        {"gems.faceted([[90, 1, [96, 24, 48, 72]], [45, .92, [0, 24, 48, 72]], [-41, .66, [12, 36, 60, 84]], [0, .6], [0, -.8]])",
+         4 + 4 + 4 + 2, 5},
     };
     for (size_t i = 0; i < COUNT_OF(rows); i++) {
         Fixture f;

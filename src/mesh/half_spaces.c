@@ -5,7 +5,7 @@
  * share come out of different cuts in each of them: those that are next to each other become one, and what a face is left with
  * less than three of is none. Whether the faces fit together is looked at in the end.
  * SPDX-License-Identifier: Apache-2.0 */
-#include "shape/half_spaces.h"
+#include "mesh/half_spaces.h"
 
 #include <stdlib.h>
 #include <string.h>
