@@ -129,8 +129,8 @@ static void write_head(Importer *im)
         [MESH_LEFT_FACE_UVS] = "texture coordinates of faces are not taken: export them as those of vertices",
         [MESH_LEFT_LINES] = "its points and lines have no surface, and are left out",
         [MESH_LEFT_INSTANCES] = "its instances (EXT_mesh_gpu_instancing) are left out: export them as objects",
-        [MESH_LEFT_DISPERSION] = "it says one index of refraction for all colours: stones of std/media, as media.diamond, have "
-                                 "their fire, too",
+        [MESH_LEFT_DISPERSION] =
+            "it says one index of refraction for all colours: stones of std/media have their fire, too",
         [MESH_LEFT_MATERIALS] = "it has more materials than are read: the last ones are plain here",
     };
     for (int i = 0; i < MESH_LEFT_COUNT; i++)
