@@ -95,11 +95,17 @@ static Vec3 mirrored_image(const FlatFace *faces, uint32_t n, Vec3 point)
     return point;
 }
 
-/* A start: straight ahead, or where that is reflected totally, steeper towards the first face. By how much it misses. */
-static double first_guess(const FlatFace *faces, uint32_t n, Vec3 from, Vec3 to, Vec3 *direction, FlatRay *ray,
-                          Vec3 *miss)
+/* A start: as it leaves, where that is known; straight ahead, or where that is reflected totally, steeper towards the first face. By how
+ * much it misses. */
+static double first_guess(const FlatFace *faces, uint32_t n, Vec3 from, Vec3 to, const Vec3 *leaving, Vec3 *direction,
+                          FlatRay *ray, Vec3 *miss)
 {
     enum { TRIES = 8 };
+    double spread;
+    if (leaving && flat_way_leaving(faces, n, *leaving, direction, &spread)) {
+        double missed = miss_of(faces, n, from, to, *direction, ray, miss);
+        if (isfinite(missed)) return missed;
+    }
     const Vec3 straight = vec3_normalize(vec3_sub(mirrored_image(faces, n, to), from));
     Vec3 steep = n ? faces[0].normal : straight;
     if (vec3_dot(steep, straight) < 0) steep = vec3_scale(steep, -1);
@@ -112,12 +118,13 @@ static double first_guess(const FlatFace *faces, uint32_t n, Vec3 from, Vec3 to,
     return missed;
 }
 
-bool flat_way_find(const FlatFace *faces, uint32_t n, Vec3 from, Vec3 to, Vec3 *direction, FlatRay *ray)
+bool flat_way_find(const FlatFace *faces, uint32_t n, Vec3 from, Vec3 to, const Vec3 *leaving, Vec3 *direction,
+                   FlatRay *ray)
 {
     enum { STEPS = 16, HALVINGS = 8 };
     const double least = 1e-8 * vec3_length(vec3_sub(to, from)), most_turn = 0.5;
     Vec3 miss;
-    double missed = first_guess(faces, n, from, to, direction, ray, &miss);
+    double missed = first_guess(faces, n, from, to, leaving, direction, ray, &miss);
     for (int step = 0; step < STEPS && isfinite(missed); step++) {
         if (missed <= least) return true;
         Vec3 moved[2], axes[2];

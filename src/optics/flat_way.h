@@ -31,8 +31,11 @@ typedef struct FlatRay {
 bool flat_way_follow(const FlatFace *faces, uint32_t n, Vec3 from, Vec3 direction, FlatRay *ray);
 /* The area, across the ray at a point on it, that a steradian of directions at its start leads to. */
 double flat_ray_spread(const FlatRay *ray, Vec3 to);
-/* The direction in which a ray leads by the faces from one point to another, to 1e-8 of how far these are; false: none was found. */
-bool flat_way_find(const FlatFace *faces, uint32_t n, Vec3 from, Vec3 to, Vec3 *direction, FlatRay *ray);
+/* The direction in which a ray leads by the faces from one point to another, to 1e-8 of how far these are; false: none was found. leaving:
+ * the unit direction behind the last face, roughly, where faces turn rays so far that one that starts straight ahead misses them; or
+ * NULL. */
+bool flat_way_find(const FlatFace *faces, uint32_t n, Vec3 from, Vec3 to, const Vec3 *leaving, Vec3 *direction,
+                   FlatRay *ray);
 
 /* The direction with which a ray starts that leaves by the faces in a given one (unit), and how many steradians there come of one at
  * its start; false: none leaves so. Where the faces are does not matter. */

@@ -120,7 +120,7 @@ static double find_axes(const SceneShape *shape, const Affine *map, bool paired,
     double flat = 0;
     slab->n = 0;
     add_surface(&faces);
-    while (faces.n < SLAB_AXES && vec3_length(faces.largest) > 0) {
+    while (faces.n < (paired ? SLAB_PAIRS : SLAB_AXES) && vec3_length(faces.largest) > 0) {
         uint32_t i = faces.n++;
         faces.axes[i] = vec3_normalize(faces.largest);
         add_surface(&faces);
@@ -144,7 +144,7 @@ typedef enum SlabKind {
     SLAB_NONE,
     SLAB_PAIRED,
     SLAB_PLANE,
-    SLAB_BASIN /* a solid with flat faces that are not paired, or are not most of it */
+    SLAB_BASIN /* a solid with flat faces that are not paired, or are not most of it; a prism */
 } SlabKind;
 
 static bool is_plane(const SceneShape *shape)
@@ -171,11 +171,18 @@ typedef struct Finder {
     bool *shape_known; /* of each shape */
 } Finder;
 
+/* A mesh of so few triangles may be a prism. */
+enum { FEW_TRIANGLES = 256 };
+static bool has_few(const SceneShape *shape)
+{
+    return !shape->mesh || shape->mesh->n_triangles <= FEW_TRIANGLES;
+}
+
 /* Of a shape as a map makes it, or in its own frame: NULL. */
 static SlabKind kind_of(const SceneShape *shape, const Affine *map, SlabAxes *slab)
 {
     if (is_slab(shape, map, slab)) return SLAB_PAIRED;
-    return shape->solid && find_axes(shape, map, false, slab) > 0 ? SLAB_BASIN : SLAB_NONE;
+    return has_few(shape) && find_axes(shape, map, false, slab) > (shape->solid ? 0 : 0.5) ? SLAB_BASIN : SLAB_NONE;
 }
 
 static void map_axes(const Affine *map, const SlabAxes *own, SlabAxes *slab)
@@ -195,7 +202,6 @@ static void map_axes(const Affine *map, const SlabAxes *own, SlabAxes *slab)
  * at as they are in the world. */
 static SlabKind find_slab(Finder *finder, const SceneObject *object, SlabAxes *slab)
 {
-    enum { FEW = 256 };
     const SceneShape *shape = &finder->compiled->scene->shapes[object->shape];
     SlabAxes *known = &finder->of_shape[object->shape];
     SlabKind *kind = &finder->kind_of_shape[object->shape];
@@ -204,8 +210,8 @@ static SlabKind find_slab(Finder *finder, const SceneObject *object, SlabAxes *s
         return SLAB_PLANE;
     }
     if (!may_be_slab(shape)) return SLAB_NONE;
-    bool few = !shape->mesh || shape->mesh->n_triangles <= FEW;
-    if (few && !(affine_even_scale(&object->to_world, 1e-9) > 0)) return kind_of(shape, &object->to_world, slab);
+    if (has_few(shape) && !(affine_even_scale(&object->to_world, 1e-9) > 0))
+        return kind_of(shape, &object->to_world, slab);
     if (!finder->shape_known[object->shape]) *kind = kind_of(shape, NULL, known);
     finder->shape_known[object->shape] = true;
     map_axes(&object->to_world, known, slab);

@@ -9,8 +9,8 @@
 
 #include "scene/compile.h"
 
-/* Its faces look along these axes. */
-enum { SLAB_AXES = 3 };
+/* Its faces look along these axes; those of parallel pairs along three at most. */
+enum { SLAB_AXES = 4, SLAB_PAIRS = 3 };
 typedef struct SlabAxes {
     Vec3f axes[SLAB_AXES];                  /* unit */
     double low[SLAB_AXES], high[SLAB_AXES]; /* how far it reaches along each, where it has several */
@@ -26,7 +26,7 @@ typedef struct SlabPlane {
 } SlabPlane;
 
 /* All of a scene that are smooth and stand still: those of which most of the surface is faces that are parallel in pairs, planes, and
- * solids with any flat face, as a drink has at its top. Those of the index of what is outside, as the air in double glazing, count
+ * solids with any flat face, as a drink has at its top, and meshes most of which is few flat faces, as prisms of three sides. Those of the index of what is outside, as the air in double glazing, count
  * where they are within the box of one that is not: a line from outside then comes to that box first. */
 typedef struct Slabs {
     SlabAxes *items;     /* first those that bend light which comes from outside */

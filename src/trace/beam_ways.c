@@ -7,6 +7,7 @@
 #include "optics/fresnel.h"
 #include "optics/sampling.h"
 #include "trace/airlight.h"
+#include "trace/slab_faces.h"
 #include "trace/slab_look.h"
 
 /* Lamps whose cones are wider, as the cosine of half of that, light so much that flights find it. */
@@ -37,6 +38,7 @@ typedef struct Part {
     uint32_t route;
     Vec3 from, to;
     double place[2];
+    float left; /* of its light */
 } Part;
 
 /* All of a lamp's. */
@@ -50,22 +52,23 @@ typedef struct Parts {
 /* How far a ray is followed that does not end: beams get wider, and one piece of a way is to tell of all of it. */
 static double far_away(const World *world, Vec3 from)
 {
+    const Slabs *slabs = &world->slabs;
     double far = 0;
-    for (uint32_t i = 0; i < world->slabs.n_boxes; i++) {
-        Box3 box = world->slabs.boxes[i];
+    for (uint32_t i = 0; i < slabs->n_boxes + slabs->n_basins; i++) {
+        Box3 box = i < slabs->n_boxes ? slabs->boxes[i] : slabs->basins[i - slabs->n_boxes];
         far = fmax(far, vec3_length(vec3_sub(box.max, box.min)) + vec3_length(vec3_sub(box.max, from)));
     }
     return far;
 }
 
 /* False: there is no room. */
-static bool add_part(Parts *parts, const BeamRoute *route, Vec3 from, Vec3 to, const double place[2])
+static bool add_part(Parts *parts, const BeamRoute *route, Vec3 from, Vec3 to, const double place[2], float left)
 {
     uint32_t i = 0;
     while (i < parts->n_routes && parts->routes[i].steps != route->steps) i++;
     if (parts->n == MOST_PARTS || i == MOST_ROUTES) return false;
     if (i == parts->n_routes) parts->routes[parts->n_routes++] = *route;
-    parts->items[parts->n++] = (Part){i, from, to, {place[0], place[1]}};
+    parts->items[parts->n++] = (Part){i, from, to, {place[0], place[1]}, left};
     return true;
 }
 
@@ -98,7 +101,7 @@ static void follow(Path *path, const double place[2], uint32_t mirrored_at, Part
         if (event.kind == EVENT_LOST || event.kind == EVENT_GIVE_UP) return;
         double t = event.kind == EVENT_ESCAPE ? far_away(world, from) : event.hit.t;
         if (route.n > 0 && route.mirrored == (mirrored_at > 0) &&
-            !add_part(parts, &route, from, ray_point(&path->ray, t), place))
+            !add_part(parts, &route, from, ray_point(&path->ray, t), place, left))
             return;
         if (event.kind == EVENT_OPAQUE) {
             if (!slab_cross_pane(path, &event)) return;
@@ -209,10 +212,10 @@ static void fit_source(const Part *parts, uint32_t n, BeamWay *way)
     }
     for (const Part *part = parts; part < parts + n; part++) {
         for (int end = 0; end < 2; end++) {
-            double middle[2];
-            beam_way_source(way, end ? part->to : part->from, middle);
-            double off = hypot(part->place[0] - middle[0], part->place[1] - middle[1]);
-            way->reach[end] = fmax(way->reach[end], WIDER * off);
+            double middle[2], reach[2];
+            beam_way_source(way, end ? part->to : part->from, middle, reach);
+            for (int i = 0; i < 2; i++)
+                way->reach[end][i] = fmax(way->reach[end][i], WIDER * fabs(part->place[i] - middle[i]));
         }
     }
 }
@@ -222,9 +225,11 @@ static bool way_of(const Part *parts, uint32_t n, bool fits, BeamWay *way)
 {
     Vec3 from = vec3(0, 0, 0), to = vec3(0, 0, 0);
     double begin = 0, end = 0;
+    way->power = 0;
     for (const Part *part = parts; part < parts + n; part++) {
         from = vec3_add(from, part->from);
         to = vec3_add(to, part->to);
+        way->power += part->left / RAYS;
     }
     way->from = vec3_scale(from, 1 / (double)n);
     Vec3 along = vec3_sub(vec3_scale(to, 1 / (double)n), way->from);
@@ -282,6 +287,33 @@ static bool enter_by_one(const Parts *parts)
     return n == RAYS;
 }
 
+/* Whether looks from a way that go straight to its lamp come to its faces. */
+static bool is_found_straight(Tracer *tracer, const BeamWay *beam)
+{
+    static const double along[] = {0.02, 0.5, 0.98}; /* of its length */
+    const Vec3 lamp = light_of_emitter(tracer->world, beam->emitter)->to_world.t;
+    for (size_t i = 0; i < COUNT_OF(along); i++) {
+        Path path, look;
+        FaceWay way;
+        path_init(&path, tracer, sampler_make(0, RAY_PIXEL, beam->emitter, 0));
+        path.ray.time = 0;
+        const Vec3 place = vec3_rounded(vec3_along(beam->from, along[i] * beam->length, beam->along));
+        const Vec3 to = vec3_sub(lamp, place);
+        const double distance = vec3_length(to);
+        if (!slab_start_beside(&path, tracer, place, vec3f_from(vec3_scale(to, 1 / distance)), &look)) return true;
+        look.ray.t_max = distance;
+        if (!slab_find_faces(&look, true, &way) || slab_steps_of(&way) != beam->route.steps) return false;
+    }
+    return true;
+}
+
+static bool disperses(const World *world, const BeamRoute *route)
+{
+    bool any = false;
+    for (uint32_t i = 0; i < route->n; i++) any |= world_medium_disperses(world, route->faces[i].medium_behind);
+    return any;
+}
+
 /* Adds the ways of a lamp. */
 static void add_ways(World *world, Tracer *tracer, uint32_t emitter, Parts *parts)
 {
@@ -292,7 +324,10 @@ static void add_ways(World *world, Tracer *tracer, uint32_t emitter, Parts *part
     for (uint32_t i = 0; i < parts->n_routes && world->n_beam_ways < BEAM_WAYS_MOST; i++) {
         BeamWay way = {.emitter = emitter, .route = parts->routes[i]};
         uint32_t n = parts_by_route(parts, i);
-        if (way_of(parts->by_route, n, !world->moves, &way)) world->beam_ways[world->n_beam_ways++] = way;
+        if (!way_of(parts->by_route, n, !world->moves, &way)) continue;
+        way.by_route = way.route.mirrored || (!world->moves && !is_found_straight(tracer, &way));
+        way.fans_out = way.by_route && !way.route.mirrored && disperses(world, &way.route);
+        world->beam_ways[world->n_beam_ways++] = way;
     }
 }
 
@@ -311,8 +346,12 @@ Status beam_ways_find(World *world, Error *error)
         const double cosine = light_of_emitter(world, world->beams[i])->cos_none;
         if (!(cosine >= NARROW)) continue;
         add_ways(world, &tracer, world->beams[i], parts);
-        if (cosine >= PENCIL && !world->moves && enter_by_one(parts)) world->beam_looks[i] = SELDOM;
+        if (cosine >= PENCIL && !world->moves && enter_by_one(parts) && world->beam_looks[i] > 0)
+            world->beam_looks[i] = SELDOM;
     }
+    world->mean_beam_looks = 0;
+    for (uint32_t i = 0; i < world->n_beams; i++)
+        world->mean_beam_looks += world->beam_looks[i] / (float)world->n_beams;
     bool out_of_memory = tracer.out_of_memory;
     tracer_clear(&tracer);
     free(parts);
@@ -322,29 +361,29 @@ Status beam_ways_find(World *world, Error *error)
 /* ---- places within a way ---- */
 
 /* Of two numbers at the ends of a way, what it is at a length from its beginning. */
-static double between(const BeamWay *way, const double ends[2], double at)
+static double between(const BeamWay *way, double begin, double end, double at)
 {
-    double part = fmin(fmax(at / way->length, 0), 1);
-    return ends[0] + part * (ends[1] - ends[0]);
+    return begin + fmin(fmax(at / way->length, 0), 1) * (end - begin);
 }
 
 bool beam_way_holds(const BeamWay *way, Vec3 place)
 {
     Vec3 off = vec3_sub(place, way->from);
-    double at = vec3_dot(off, way->along), radius = between(way, way->radius, at);
+    double at = vec3_dot(off, way->along), radius = between(way, way->radius[0], way->radius[1], at);
     if (at < -radius || at > way->length + radius) return false;
     off = vec3_along(off, -at, way->along);
     return vec3_dot(off, off) <= radius * radius;
 }
 
-double beam_way_source(const BeamWay *way, Vec3 place, double middle[2])
+void beam_way_source(const BeamWay *way, Vec3 place, double middle[2], double reach[2])
 {
-    double p[2];
+    double p[2], at = vec3_dot(vec3_sub(place, way->from), way->along);
     across_way(way, place, p);
-    for (int i = 0; i < 2; i++)
+    for (int i = 0; i < 2; i++) {
         middle[i] = way->place_mean[i] + way->slope[i][0] * (p[0] - way->across_mean[0]) +
                     way->slope[i][1] * (p[1] - way->across_mean[1]);
-    return between(way, way->reach, vec3_dot(vec3_sub(place, way->from), way->along));
+        reach[i] = between(way, way->reach[0][i], way->reach[1][i], at);
+    }
 }
 
 /* ---- places on a stretch ---- */
@@ -374,6 +413,7 @@ static bool cut_to_way(const BeamWay *beam, double turn, double at, double *begi
 /* False: it does not pass near. */
 static bool pass_by(const BeamWay *beam, const Airway *way, Passing *passing)
 {
+    if (beam->fans_out) return false;
     const Vec3 direction = vec3_from_f(way->direction), from = vec3_sub(way->origin, beam->from);
     double turn = vec3_dot(direction, beam->along), at = vec3_dot(from, beam->along);
     double begin = way->begin, end = way->end;
@@ -381,7 +421,7 @@ static bool pass_by(const BeamWay *beam, const Airway *way, Passing *passing)
     Vec3 across = vec3_along(direction, -turn, beam->along), beside = vec3_along(from, -at, beam->along);
     double square = fmax(vec3_dot(across, across), 1e-12), foot = -vec3_dot(beside, across) / square;
     double nearest = fmin(fmax(foot, begin), end);
-    double radius = between(beam, beam->radius, at + nearest * turn), radius2 = radius * radius;
+    double radius = between(beam, beam->radius[0], beam->radius[1], at + nearest * turn), radius2 = radius * radius;
     Vec3 off = vec3_along(beside, nearest, across), off_foot = vec3_along(beside, foot, across);
     double distance2 = vec3_dot(off, off), foot2 = vec3_dot(off_foot, off_foot);
     if (distance2 > BESIDE * BESIDE * radius2) return false;

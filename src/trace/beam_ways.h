@@ -46,15 +46,20 @@ typedef struct BeamRoute {
 typedef struct BeamWay {
     BeamRoute route;
     uint32_t emitter; /* whose it is */
-    Vec3 from;        /* on its axis, where it begins */
-    Vec3 along;       /* unit */
-    Vec3f side[2];    /* and across it */
-    double length;    /* > 0 */
+    bool
+        by_route; /* looks from it go by its route: it is mirrored, or turned so far that its faces are not in the straight line */
+    Vec3 from;     /* on its axis, where it begins */
+    Vec3 along;    /* unit */
+    Vec3f side[2]; /* and across it */
+    double length; /* > 0 */
+    bool
+        fans_out; /* it is not mirrored, and each wavelength goes another way: photons find it in air, and more than looks do */
+    float power;      /* > 0, of the lamp's, what goes there */
     double radius[2]; /* > 0, at its beginning and its end */
-    /* From which places of a flat lamp light comes to a place of the way: those up to so far, at its beginning and its end, from one
-     * that depends on how the place lies across the way, place_mean + slope * (across - across_mean). 0: from anywhere on the lamp.
-     * Places of lamps are told along their x and z axes, in world units. */
-    double reach[2], place_mean[2], across_mean[2], slope[2][2];
+    /* From which places of a flat lamp light comes to a place of the way: those up to so far along either axis of the lamp, at the way's
+     * beginning and its end, from one that depends on how the place lies across the way, place_mean + slope * (across - across_mean).
+     * 0: from anywhere. Places of lamps are told along their x and z axes, in world units. */
+    double reach[2][2], place_mean[2], across_mean[2], slope[2][2];
 } BeamWay;
 
 /* Sets world->beam_ways. All else of the world is known. STATUS_NOMEM. */
@@ -63,8 +68,8 @@ ATTR_NODISCARD Status beam_ways_find(World *world, Error *error);
 void beam_lamp_place(const Affine *to_world, Vec3 place, double at[2]);
 /* Whether a place is within a way. */
 bool beam_way_holds(const BeamWay *way, Vec3 place);
-/* The middle of where light comes from to a place there, and how far around that; 0: from anywhere on the lamp. */
-double beam_way_source(const BeamWay *way, Vec3 place, double middle[2]);
+/* The middle of where light comes from to a place there, and how far around that along either axis; 0: from anywhere on the lamp. */
+void beam_way_source(const BeamWay *way, Vec3 place, double middle[2], double reach[2]);
 /* A look on the stretch, which is path->way, of which all but its shares is set. Keeps in path->way what weights need. */
 void beam_ways_look(Path *path, const FlightStretch *stretch);
 /* q b(t) / pf(t) where the path was scattered last; 0 where it was not on such a stretch. */

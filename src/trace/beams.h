@@ -20,21 +20,21 @@ bool beams_have(const World *world, uint32_t emitter);
 /* What a look is sent to. */
 typedef struct BeamPlace {
     Vec3 place;
-    double area; /* all that such places are chosen from; 0 of what has no size */
-    /* NULL, or by which way light comes from there that is mirrored, as the look is to go */
-    const BeamWay *mirrored;
+    double area;        /* all that such places are chosen from; 0 of what has no size */
+    const BeamWay *way; /* NULL, or one by whose route light comes from there, as the look is to go */
 } BeamPlace;
 
 /* One of them, of which there are some, or EMITTER_NONE: none this time; and a place on it, to be looked at from a place. Where that is
- * within the way of a narrow beam (beam_ways.h), that one mostly, and where its light comes from. digits: 32 of a number in [0, 1),
+ * within the way of a narrow beam (beam_ways.h), that one mostly, and where its light comes from. in_air: the place is on no surface. digits: 32 of a number in [0, 1),
  * u: in [0, 1). */
-uint32_t beams_sample(const World *world, Vec3 from, double time, uint32_t digits, const float u[2], BeamPlace *chosen);
-/* The density of that per area of the lamp, the choice included; of what has no size, of the choice alone. Of ways that are not
- * mirrored; */
-double beams_density(const World *world, Vec3 from, uint32_t emitter, Vec3 place, double time);
-/* and of one that is, and holds the place. */
-double beams_density_mirrored(const World *world, Vec3 from, const BeamWay *way, Vec3 place, double time);
-/* The way that is mirrored and holds a place, to which light of a lamp comes by these steps (see slab_step); NULL: there is none. */
-const BeamWay *beams_find_mirrored(const World *world, Vec3 from, uint32_t emitter, uint64_t steps);
+uint32_t beams_sample(const World *world, Vec3 from, bool in_air, double time, uint32_t digits, const float u[2],
+                      BeamPlace *chosen);
+/* The density of that per area of the lamp, the choice included; of what has no size, of the choice alone. Of looks that go straight; */
+double beams_density(const World *world, Vec3 from, bool in_air, uint32_t emitter, Vec3 place, double time);
+/* and of those by the route of a way, which holds the place. */
+double beams_density_by_route(const World *world, Vec3 from, bool in_air, const BeamWay *way, Vec3 place, double time);
+/* The way that holds a place, to which light of a lamp comes by these steps (see slab_step), where looks go by its route; NULL: there is
+ * none. */
+const BeamWay *beams_find_route(const World *world, Vec3 from, bool in_air, uint32_t emitter, uint64_t steps);
 
 #endif

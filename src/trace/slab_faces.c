@@ -53,6 +53,7 @@ bool slab_find_faces(Path *look, bool past, FaceWay *way)
     Tracer *tracer = look->tracer;
     const HitList *all = &tracer->shadow_hits;
     way->n = 0;
+    way->leaving = vec3(0, 0, 0);
     way->disperses = false;
     way->past = past;
     tracer->counters.rays++;

@@ -12,6 +12,7 @@ typedef struct FaceWay {
     FlatFace faces[SLAB_FACES];
     uint64_t numbers[SLAB_FACES]; /* see slabs_face */
     uint32_t n;
+    Vec3 leaving;   /* of a beam's way: towards its lamp from the last face, roughly; else 0 */
     bool disperses; /* the indices of some change with the wavelength */
     bool blocked;   /* something opaque stands in the straight way, */
     bool past;      /* which was looked past */

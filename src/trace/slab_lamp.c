@@ -65,6 +65,7 @@ static void go_to_and_fro(const FaceWay *straight, uint32_t pair, FaceWay *way)
         if (are_parallel(&straight->faces[first], &straight->faces[second]) && !left--) break;
     }
     way->n = 0;
+    way->leaving = straight->leaving;
     way->disperses = straight->disperses;
     for (i = 0; i < second; i++) add_step(straight, i, false, false, way);
     add_step(straight, second, true, false, way);
@@ -79,10 +80,14 @@ static bool parts_colors(const FaceWay *way, Vec3 direction, const FlatRay *ray)
     return way->disperses && vec3_length(vec3_sub(ray->direction, direction)) > 1e-4;
 }
 
-/* The faces of a beam's way that is mirrored, from a place on it to the lamp, by the look's indices. */
-static void take_route(Path *look, const BeamRoute *route, FaceWay *way)
+/* The faces of a beam's way, from a place on it to the lamp, by the look's indices. */
+static void take_route(Path *look, const BeamWay *beam, FaceWay *way)
 {
-    *way = (FaceWay){.n = 0};
+    const BeamRoute *route = &beam->route;
+    const Affine *lamp = &light_of_emitter(look->tracer->world, beam->emitter)->to_world;
+    way->n = 0;
+    way->disperses = way->blocked = way->past = false;
+    way->leaving = vec3_scale(vec3_normalize(affine_vector(lamp, vec3(0, 1, 0))), -1);
     for (uint32_t i = route->n; i-- > 0;) {
         const BeamFace *face = &route->faces[i];
         Lanes in_front = path_ior(look, face->medium_behind), behind = path_ior(look, face->medium_before);
@@ -93,6 +98,19 @@ static void take_route(Path *look, const BeamRoute *route, FaceWay *way)
         way->numbers[way->n++] = face->number;
         way->disperses |= !lanes_uniform(in_front) || !lanes_uniform(behind);
     }
+}
+
+/* The direction in which light comes by the faces of a way from one place to another. */
+static bool find_direction(const FaceWay *way, Vec3 from, Vec3 to, Vec3 *direction, FlatRay *bent)
+{
+    const Vec3 *leaving = vec3_dot(way->leaving, way->leaving) > 0 ? &way->leaving : NULL;
+    return flat_way_find(way->faces, way->n, from, to, leaving, direction, bent);
+}
+
+/* Whether a look is from no surface; normal: as LightQuery's. */
+static bool is_in_air(Vec3f normal)
+{
+    return vec3f_dot(normal, normal) == 0;
 }
 
 /* ---- densities ---- */
@@ -137,7 +155,8 @@ static float beam_density(const World *world, const LightRival *look, const Ray 
     if (!(look->choices->near > 0) || !beams_have(world, emitter)) return 0;
     Vec3 place = ray_point(ray, hit->t);
     double spread = flat_ray_spread(bent, place);
-    return (float)(beams_density(world, look->from, emitter, place, ray->time) * spread / fabs(hit->cos_normal));
+    return (float)(beams_density(world, look->from, is_in_air(look->normal), emitter, place, ray->time) * spread /
+                   fabs(hit->cos_normal));
 }
 
 /* That of both together. Balls are looked at in both ways where straight looks are few, too: by these alone, what is seen at its rim
@@ -189,25 +208,24 @@ static bool is_gone(const Path *path, const FaceWay *way, Vec3 to, FlatRay *bent
 {
     const double same = 1e-3;
     Vec3 direction;
-    return flat_way_find(way->faces, way->n, path->scatter_point, to, &direction, bent) &&
+    return find_direction(way, path->scatter_point, to, &direction, bent) &&
            vec3_length(vec3_sub(direction, vec3_from_f(path->slab_way.direction))) <= same &&
            (path->index_lane >= 0 || !parts_colors(way, direction, bent));
 }
 
-/* As slab_lamp_density, of a path that was mirrored once. */
-static float density_mirrored(Path *path, uint32_t emitter, const Hit *hit)
+/* As slab_lamp_density, of a path by a way by whose route looks go. */
+static float density_by_route(Path *path, const BeamWay *beam, const Hit *hit)
 {
     const World *world = path->tracer->world;
     const Vec3 from = path->scatter_point, to = ray_point(&path->ray, hit->t);
-    const BeamWay *beam = beams_find_mirrored(world, from, emitter, path->slab_way.steps);
-    if (!beam || !(path->scatter_lights->near > 0)) return 0;
+    if (!(path->scatter_lights->near > 0)) return 0;
     Path look;
     FaceWay way;
     FlatRay bent;
     slab_begin_look(path, path->tracer, path->index_lane, &look);
-    take_route(&look, &beam->route, &way);
+    take_route(&look, beam, &way);
     if (!is_gone(path, &way, to, &bent)) return 0;
-    double pdf = beams_density_mirrored(world, from, beam, to, path->ray.time);
+    double pdf = beams_density_by_route(world, from, is_in_air(path->scatter_normal), beam, to, path->ray.time);
     return (float)(pdf * flat_ray_spread(&bent, to) / fabs(hit->cos_normal));
 }
 
@@ -219,8 +237,9 @@ float slab_lamp_density(Path *path, const Hit *hit)
     if (!slab_way_has_rival(path) || !knows_looks(world) || emitter == EMITTER_NONE ||
         world->emitters.emitters[emitter].cut)
         return 0;
-    if (gone->n_mirrored == 1) return density_mirrored(path, emitter, hit);
     Vec3 from = path->scatter_point, to = ray_point(&path->ray, hit->t);
+    const BeamWay *beam = beams_find_route(world, from, is_in_air(path->scatter_normal), emitter, gone->steps);
+    if (beam) return density_by_route(path, beam, hit);
     FaceWay way;
     float often;
     FlatRay bent;
@@ -237,9 +256,12 @@ bool slab_lamp_is_looked_at(const Path *photon, uint32_t emitter, const Ray *beg
     float often;
     const World *world = photon->tracer->world;
     uint32_t medium = nest_medium(&photon->tracer->list);
-    return world_lights_through(world, medium)->near > 0 && knows_looks(world) && emitter != EMITTER_NONE &&
-           !world->emitters.emitters[emitter].cut &&
-           finds_way(photon, slab_right_beside(place, photon->ray.origin), emitter, begin->origin, begin->direction,
+    if (!(world_lights_through(world, medium)->near > 0) || !knows_looks(world) || emitter == EMITTER_NONE ||
+        world->emitters.emitters[emitter].cut)
+        return false;
+    const BeamWay *beam = beams_find_route(world, place, false, emitter, photon->slab_way.steps);
+    if (beam) return !beam->fans_out;
+    return finds_way(photon, slab_right_beside(place, photon->ray.origin), emitter, begin->origin, begin->direction,
                      &way, &often) &&
            !way.past;
 }
@@ -267,9 +289,9 @@ typedef struct LampLook {
     const LookPlace *from;
     Path look;
     int index_lane;
-    float often;             /* such a look is sent at all */
-    bool at_beam;            /* counts where no look that goes straight chooses the place */
-    const BeamWay *mirrored; /* NULL, or by which way that is mirrored it goes; often and at_beam do not count then */
+    float often;         /* such a look is sent at all */
+    bool at_beam;        /* counts where no look that goes straight chooses the place */
+    const BeamWay *beam; /* NULL, or by whose route it goes; often and at_beam do not count then */
 } LampLook;
 
 static bool start(LampLook *l, Vec3f direction)
@@ -312,9 +334,9 @@ static bool see_surface(const LampLook *l, uint32_t emitter, Vec3 place, const F
         return false;
     uint32_t medium = nest_medium(&look.tracer->list);
     *arrives = lanes_mul(look.beta, path_basic_radiance(world, radiance, medium, look.wavelengths.nm));
-    if (l->mirrored) {
+    if (l->beam) {
         Vec3 from = l->from->place->position, met = ray_point(&look.ray, event.hit.t);
-        double pdf = beams_density_mirrored(world, from, l->mirrored, met, look.ray.time);
+        double pdf = beams_density_by_route(world, from, is_in_air(l->from->normal), l->beam, met, look.ray.time);
         *pdf_w = (float)(pdf * flat_ray_spread(bent, met) / fabs(event.hit.cos_normal));
         return *pdf_w > 0;
     }
@@ -349,7 +371,7 @@ static bool look_by(LampLook *l, const FaceWay *way, Vec3 place, LightSample *li
 {
     Vec3 direction;
     FlatRay bent;
-    if (!flat_way_find(way->faces, way->n, l->from->place->position, place, &direction, &bent)) return false;
+    if (!find_direction(way, l->from->place->position, place, &direction, &bent)) return false;
     light->direction = vec3f_from(direction);
     if (!slab_is_in_front(l->from->normal, light->direction) || !start(l, light->direction) ||
         !slab_follow_faces(&l->look, way))
@@ -369,12 +391,12 @@ static bool find_straight(LampLook *l, const LightSample *light, FaceWay *way)
     return find_faces_past(&l->look, light->delta, u, way, &l->often);
 }
 
-/* Those that are known of a beam's way that is mirrored, or in the straight line. */
+/* Those that are known of a beam's way, or in the straight line. */
 static bool find_route(LampLook *l, const LightSample *light, FaceWay *way)
 {
-    if (LIKELY(!l->mirrored)) return find_straight(l, light, way);
+    if (LIKELY(!l->beam)) return find_straight(l, light, way);
     slab_begin_look(l->path, l->path->tracer->looker, l->index_lane, &l->look);
-    take_route(&l->look, &l->mirrored->route, way);
+    take_route(&l->look, l->beam, way);
     return true;
 }
 
@@ -387,8 +409,9 @@ static bool find_way(LampLook *l, const LightSample *light, Vec3 place, FaceWay 
     FlatRay bent;
     l->index_lane = path->bent_apart ? path->index_lane : -1;
     if (!find_route(l, light, way)) return false;
-    if (!way->disperses || !flat_way_find(way->faces, way->n, l->from->place->position, place, &direction, &bent) ||
-        !parts_colors(way, direction, &bent))
+    if (!way->disperses) return true;
+    /* by the index of one wavelength there may be no way, and by that of another one there may */
+    if (find_direction(way, l->from->place->position, place, &direction, &bent) && !parts_colors(way, direction, &bent))
         return true;
     if (path->index_lane < 0) return false;
     path->bent_apart = true;
@@ -427,8 +450,16 @@ static bool begin_look(Path *path, const LookPlace *from, bool at_beam, LampLook
     look->path = path;
     look->from = from;
     look->at_beam = at_beam;
-    look->mirrored = NULL;
+    look->beam = NULL;
     return tracer_lend(path->tracer) != NULL;
+}
+
+/* Whether looks by the route of a beam's way find all that comes by these faces, so that none that went straight is to. */
+static bool is_left_to_route(const LampLook *l, const LightSample *light, const FaceWay *way)
+{
+    const World *world = l->path->tracer->world;
+    return UNLIKELY(world->n_beam_ways) && beams_find_route(world, l->from->place->position, is_in_air(l->from->normal),
+                                                            light->emitter, slab_steps_of(way)) != NULL;
 }
 
 static void look_straight(Path *path, const LookPlace *from, LightLooks *looks)
@@ -447,7 +478,8 @@ static void look_straight(Path *path, const LookPlace *from, LightLooks *looks)
     if (!found) light->pdf_w = 0; /* nor is it seen straight */
     if (found && way.n) {
         looks->lights[1] = *light;
-        if (!look_by(&look, &way, place, light, &looks->arrives[0])) light->pdf_w = 0;
+        if (is_left_to_route(&look, light, &way) || !look_by(&look, &way, place, light, &looks->arrives[0]))
+            light->pdf_w = 0;
         look_again(&look, &way, place, looks);
     }
     tracer_take_back(path->tracer);
@@ -466,7 +498,7 @@ static bool is_bent(const Path *path, const LookPlace *from, uint32_t emitter, V
              light_choice(world, from->choices, emitter, position, from->normal) > 0); /* it is chosen straight */
 }
 
-/* What comes from one of the beams to where it does not shine straight, or from a ball, or is mirrored. */
+/* What comes from one of the beams to where it does not shine straight, or from a ball, or by the route of a way. */
 static void look_at_beam(Path *path, const LookPlace *from, LightLooks *looks)
 {
     const World *world = path->tracer->world;
@@ -475,16 +507,16 @@ static void look_at_beam(Path *path, const LookPlace *from, LightLooks *looks)
     float u[2];
     BeamPlace at;
     uint32_t digits = sampler_3d(&path->sampler, DIM_BEAMS + 3 * path->bounce, u);
-    uint32_t emitter = beams_sample(world, position, path->ray.time, digits, u, &at);
+    uint32_t emitter = beams_sample(world, position, is_in_air(from->normal), path->ray.time, digits, u, &at);
     if (emitter == EMITTER_NONE) return;
     const Vec3 to = vec3_sub(at.place, position);
     const double distance = vec3_length(to), time = path->ray.time;
     const Vec3f direction = vec3f_from(vec3_scale(to, 1 / distance));
-    if (!at.mirrored && !is_bent(path, from, emitter, at.place, direction, distance)) return;
+    if (!at.way && !is_bent(path, from, emitter, at.place, direction, distance)) return;
     const bool has_area = at.area > 0;
     if (has_area && !knows_looks(world)) return;
-    double density = at.mirrored ? beams_density_mirrored(world, position, at.mirrored, at.place, time)
-                                 : beams_density(world, position, emitter, at.place, time);
+    double density = at.way ? beams_density_by_route(world, position, is_in_air(from->normal), at.way, at.place, time)
+                            : beams_density(world, position, is_in_air(from->normal), emitter, at.place, time);
     *light = (LightSample){.direction = direction,
                            .distance = distance - light_short_of(distance, 1, at.place),
                            .object = has_area ? light_of_emitter(world, emitter)->object : RTC_NO_OBJECT,
@@ -495,12 +527,13 @@ static void look_at_beam(Path *path, const LookPlace *from, LightLooks *looks)
     LampLook look;
     FaceWay way;
     if (!begin_look(path, from, true, &look)) return;
-    look.mirrored = at.mirrored;
+    look.beam = at.way;
     if (find_way(&look, light, at.place, &way) && way.n > 0) {
         const LightSample again = *light;
-        looks->n += look_by(&look, &way, at.place, light, &looks->arrives[looks->n]);
+        looks->n += (at.way || !is_left_to_route(&look, light, &way)) &&
+                    look_by(&look, &way, at.place, light, &looks->arrives[looks->n]);
         looks->lights[looks->n] = again;
-        if (!at.mirrored) look_again(&look, &way, at.place, looks);
+        if (!at.way) look_again(&look, &way, at.place, looks);
     }
     tracer_take_back(path->tracer);
 }

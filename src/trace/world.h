@@ -79,7 +79,8 @@ typedef struct World {
     Slabs slabs;              /* where light from infinity is looked for */
     uint32_t *beams, n_beams; /* emitters, see beams.h; behind them in the same array */
     uint32_t *balls, n_balls;
-    float *beam_looks; /* of each beam, how often it is looked at of the times when it is chosen beside all ways */
+    float *beam_looks;     /* of each beam, how often it is looked at of the times when it is chosen beside all ways */
+    float mean_beam_looks; /* of all beams */
     struct BeamWay *beam_ways; /* where the narrow ones of these go, see beam_ways.h */
     uint32_t n_beam_ways;
     Balances *balances;          /* of surfaces; grows while rendering, by itself in order */

@@ -232,6 +232,29 @@ static void off_a_block(void **state)
     }
 }
 
+/* A pencil of light that a prism turns by 37 degrees, so that no straight line from where it falls to the lamp comes to the prism: with an index
+ * for each wavelength, by some of which no light comes there, too; onto a floor, and seen in fog. */
+static void through_a_prism(void **state)
+{
+    (void)state;
+    static const char *const glasses[] = {"ior = 1.5", "ior = cauchy(1.46, .014)"};
+    for (size_t i = 0; i < COUNT_OF(glasses); i++) {
+        char text[3000], what[80];
+        RenderSettings looking = truth_small(4096);
+        looking.caustics = CAUSTICS_OFF;
+        snprintf(text, sizeof text,
+                 BENCH
+                 "medium dense { %s  state = solid }\n"
+                 "light { shape = disc  from = <-26.1, 57.5, 0>  to = <-1.914, 25.69, 0>  radius = 3  angle = 4  "
+                 "radiance = 40 }\n"
+                 "prism { interior = dense  outline = [<-6, 0>, <6, 0>, <0, 10.3923>]  from = -6  to = 6\n"
+                 "  rotate(x, -90)  translate(<0, -5.19615, 0>)  rotate(z, -71.4)  translate(<-.957, 22.84, 0>) }\n",
+                 glasses[i]);
+        snprintf(what, sizeof what, "a pencil through a prism, %s", glasses[i]);
+        truth_alike(what, truth_measure(text, NULL, 1 << 19, true), truth_measure_as(text, NULL, &looking), 4, 0.03);
+    }
+}
+
 #define QUAD "light { from = <6, 30, 4>  to = <0, 0, 0>  size = <16, 12>  radiance = 2 }\n"
 
 static void as_by_chance(void **state)
@@ -344,7 +367,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(points),          cmocka_unit_test(beams),          cmocka_unit_test(under_water),
         cmocka_unit_test(balls_as_points), cmocka_unit_test(beams_in_water), cmocka_unit_test(off_a_block),
-        cmocka_unit_test(as_by_chance),
+        cmocka_unit_test(through_a_prism), cmocka_unit_test(as_by_chance),
     };
     return cmocka_run_group_tests_name("lamps", tests, NULL, NULL);
 }

@@ -5,6 +5,7 @@
 #include "dice.h"
 #include "near.h"
 
+#include "base/angle.h"
 #include "optics/flat_way.h"
 
 static const double pi = 3.14159265358979323846;
@@ -29,7 +30,7 @@ static void layers(void **state)
         }
         FlatRay ray;
         Vec3 direction, to = vec3(aside * cos(turn), 14, aside * sin(turn));
-        assert_true(flat_way_find(faces, 4, vec3(0, 0, 0), to, &direction, &ray));
+        assert_true(flat_way_find(faces, 4, vec3(0, 0, 0), to, NULL, &direction, &ray));
         assert_near(direction.y, cos(angle), 1e-7);
         assert_near(ray.direction.y, cos(angle), 1e-7);
         assert_near(flat_ray_spread(&ray, to), around * along * cos(angle), 1e-6 * around * along);
@@ -74,7 +75,7 @@ static void round_trips(void **state)
         double spread = vec3_length(vec3_cross(moved[0], moved[1])), known = flat_ray_spread(&ray, to);
         if (vec3_length(moved[0]) + vec3_length(moved[1]) < 500) assert_near(known, spread, 0.02 * spread + 0.02);
         FlatRay again;
-        if (!flat_way_find(faces, n, from, to, &found, &again)) continue;
+        if (!flat_way_find(faces, n, from, to, NULL, &found, &again)) continue;
         n_found++;
         Vec3 missed = vec3_sub(to, again.origin);
         missed = vec3_along(missed, -vec3_dot(missed, again.direction), again.direction);
@@ -95,13 +96,13 @@ static void mirrored(void **state)
     faces[1].mirrored = faces[2].mirrored = true;
     Vec3 direction, to = vec3(6, 12, 0);
     FlatRay ray;
-    assert_true(flat_way_find(faces, 4, vec3(0, 0, 0), to, &direction, &ray));
+    assert_true(flat_way_find(faces, 4, vec3(0, 0, 0), to, NULL, &direction, &ray));
     double tangent = direction.x / direction.y, inside = asin(direction.x / 1.5);
     assert_near(10 * tangent + 6 * tan(inside), 6, 1e-6);
     /* beyond the critical angle nothing comes through, and nothing is found there */
     FlatFace out = {.normal = vec3(0, 1, 0), .offset = 1, .eta = 1.5};
     assert_false(flat_way_follow(&out, 1, vec3(0, 0, 0), vec3_normalize(vec3(2, 1, 0)), &ray));
-    assert_true(flat_way_find(&out, 1, vec3(0, 0, 0), vec3(200, 2, 0), &direction, &ray));
+    assert_true(flat_way_find(&out, 1, vec3(0, 0, 0), vec3(200, 2, 0), NULL, &direction, &ray));
     assert_near(direction.x, 1 / 1.5, 1e-3);
 }
 
@@ -140,6 +141,28 @@ static void leaving(void **state)
     assert_false(flat_way_leaving(&into, 1, vec3_normalize(vec3(2, 1, 0)), &direction, &spread));
 }
 
+/* A prism turns light by 37 degrees: the line to the lamp goes past it, and where light leaves it says where to begin. */
+static void prisms_are_found_by_where_light_leaves(void **state)
+{
+    (void)state;
+    const double out = -41.4 * MEN_DEGREE, in = 78.6 * MEN_DEGREE;
+    const Vec3 from = vec3(0, 0, 0), to = vec3(-26.1, 57.5, 0), met = vec3(-1.914, 25.69, 0);
+    FlatFace faces[] = {{.normal = vec3(cos(out), sin(out), 0), .eta = 1 / 1.5},
+                        {.normal = vec3(cos(in), sin(in), 0), .eta = 1.5}};
+    faces[0].offset = vec3_dot(faces[0].normal, vec3(0, 20, 0));
+    faces[1].offset = vec3_dot(faces[1].normal, met);
+    const Vec3 leaving = vec3_normalize(vec3_sub(to, met));
+    Vec3 direction;
+    FlatRay ray;
+    assert_true(flat_way_find(faces, 2, from, to, &leaving, &direction, &ray));
+    assert_near(direction.y, 1, 1e-3);
+    assert_near(vec3_length(vec3_cross(vec3_normalize(vec3_sub(to, ray.origin)), ray.direction)), 0, 1e-8);
+    /* Snell's law, of the angles to both faces */
+    const double first = acos(fabs(vec3_dot(direction, faces[0].normal))),
+                 last = acos(fabs(vec3_dot(ray.direction, faces[1].normal)));
+    assert_near(asin(sin(first) / 1.5) + asin(sin(last) / 1.5), 60 * MEN_DEGREE, 1e-6);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -147,6 +170,7 @@ int main(void)
         cmocka_unit_test(round_trips),
         cmocka_unit_test(mirrored),
         cmocka_unit_test(leaving),
+        cmocka_unit_test(prisms_are_found_by_where_light_leaves),
     };
     return cmocka_run_group_tests_name("flat ways", tests, NULL, NULL);
 }
