@@ -333,17 +333,32 @@ static bool fit_faces(Clip *clip, const HalfSpace *spaces, uint32_t n, double ap
     return there;
 }
 
-static Status body_mesh(Clip *clip, const HalfSpace *spaces, uint32_t n, Mesh **mesh, Error *error)
+/* False when memory ends. */
+static bool make_room(Clip *clip, uint32_t n)
 {
-    static const char what[] = "a body between planes";
     size_t room = 2 * (size_t)n + 8; /* each cut adds one corner at most, were there no rounding */
     clip->most_ring = (uint32_t)room;
     clip->spaces = malloc(n * sizeof *clip->spaces);
     clip->ring = malloc(room * sizeof *clip->ring);
     clip->other = malloc(room * sizeof *clip->other);
     clip->faces = malloc(n * sizeof *clip->faces);
-    if (!clip->spaces || !clip->ring || !clip->other || !clip->faces)
-        return fail_memory(error, room * sizeof *clip->ring, what);
+    return clip->spaces && clip->ring && clip->other && clip->faces;
+}
+
+static void clip_clear(Clip *clip)
+{
+    free(clip->spaces);
+    free(clip->ring);
+    free(clip->other);
+    free(clip->faces);
+    free(clip->corners);
+    free(clip->of_faces);
+}
+
+static Status body_mesh(Clip *clip, const HalfSpace *spaces, uint32_t n, Mesh **mesh, Error *error)
+{
+    static const char what[] = "a body between planes";
+    if (!make_room(clip, n)) return fail_memory(error, clip->most_ring * sizeof *clip->ring, what);
     if (!find_body(clip, spaces, n)) return STATUS_OK;
     for (size_t i = 0; i < COUNT_OF(corners_apart); i++) {
         bool fit;
@@ -360,11 +375,20 @@ Status half_spaces_mesh(const HalfSpace *spaces, uint32_t n, Mesh **mesh, Vec3 *
     if (n < 4 || n > HALF_SPACES_MOST) return STATUS_OK;
     Status status = body_mesh(&clip, spaces, n, mesh, error);
     *centre = clip.centre;
-    free(clip.spaces);
-    free(clip.ring);
-    free(clip.other);
-    free(clip.faces);
-    free(clip.corners);
-    free(clip.of_faces);
+    clip_clear(&clip);
     return status;
+}
+
+bool half_spaces_box(const HalfSpace *spaces, uint32_t n, Box3 *box)
+{
+    Clip clip = {0};
+    if (n < 4 || n > HALF_SPACES_MOST) return false;
+    bool found = make_room(&clip, n) && find_body(&clip, spaces, n);
+    if (found) {
+        list_spaces(&clip, spaces, n, ON_PLANE * clip.size);
+        found = measure(&clip);
+    }
+    if (found) *box = (Box3){vec3_add(clip.centre, clip.box.min), vec3_add(clip.centre, clip.box.max)};
+    clip_clear(&clip);
+    return found;
 }

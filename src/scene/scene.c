@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "scene/between_planes.h"
+
 void scene_free(Scene *scene)
 {
     if (!scene) return;
@@ -121,6 +123,8 @@ static Box3 part_bounds(const Scene *scene, uint32_t number, const Affine *after
         Box3 other = part_bounds(scene, part->first_child + i, after);
         box = part->operation == NEST_UNION ? box3_union(box, other) : box3_intersection(box, other);
     }
+    if (part->operation != NEST_UNION && box3_is_unbounded(box))
+        box = box3_intersection(box, between_planes(scene, number, after));
     return box;
 }
 

@@ -326,6 +326,57 @@ static void what_may_move_stays(void **state)
     assert_operands("intersection a { interior = glass " CUBE("", "") "translate(clock * x) }", FIXTURE_VIEW, 0);
 }
 
+/* A box around them is found where they have a body, also one so flat that no mesh is made of it. */
+static void boxes_are_around_them(void **state)
+{
+    (void)state;
+    Spaces cube = {0}, flat = {0}, endless = {0};
+    Box3 box;
+    add_cube(&cube, 2);
+    Affine map = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {100, 0, -3}};
+    move(&cube, &map);
+    assert_true(half_spaces_box(cube.items, cube.n, &box));
+    assert_true(fabs(box.min.x - 98) < 1e-9 && fabs(box.max.x - 102) < 1e-9 && fabs(box.max.z + 1) < 1e-9);
+    add_cube(&flat, 1);
+    add(&flat, vec3(1, 0, 0), -1 + 1e-6);
+    assert_true(half_spaces_box(flat.items, flat.n, &box));
+    assert_true(box.max.x < -1 + 2e-6 && fabs(box.max.y - 1) < 1e-6);
+    add_cube(&endless, 1);
+    endless.n--;
+    assert_false(half_spaces_box(endless.items, endless.n, &box));
+}
+
+static void assert_bounds(const char *text, const char *view, double volume, double width)
+{
+    Fixture scene;
+    compile(&scene, text, view);
+    uint32_t hull = scene.compiled->hull_of_object[fixture_object(&scene, "a")];
+    Box3 box = scene.compiled->hull_bounds[hull];
+    double found = scene.compiled->hulls[hull].volume;
+    if (!(fabs(found - volume) <= 2e-3 * volume)) fail_msg("%s: %g and not %g", text, found, volume);
+    if (!(fabs(box.max.x - box.min.x - width) < 1e-5)) fail_msg("%s: %g wide", text, box.max.x - box.min.x);
+    assert_false(scene.compiled->unbounded[hull]);
+    fixture_clear(&scene);
+}
+
+/* Planes that stay planes enclose as much, and reach as far wherever they move: so they are on top of the same. */
+static void what_stays_has_an_end(void **state)
+{
+    (void)state;
+    assert_bounds("intersection a { interior = glass " CUBE("", "") "translate(clock * x) }", SHUTTER, 8, 2.5);
+    assert_bounds("intersection a { interior = glass " CUBE(
+                      "", "") "} sphere { surface = surface { } center = <20 + clock, 0, 0> }",
+                  SHUTTER, 8, 2);
+    assert_bounds("intersection a { interior = glass " CUBE("group { ", " }") "}", FIXTURE_VIEW, 8, 2);
+    assert_bounds("difference a { interior = glass plane { normal = x distance = 2 } union { plane { normal = x } "
+                  "plane { distance = -1 } plane { normal = -y distance = -4 } } plane { normal = z } "
+                  "plane { normal = -z distance = -1 } }",
+                  FIXTURE_VIEW, 2 * 5 * 1, 2);
+    assert_bounds("union a { interior = glass sphere { radius = .5 center = <2, 0, 0> } "
+                  "intersection { " CUBE("group { ", " }") "} }",
+                  FIXTURE_VIEW, 8 + pi / 6, 3.5);
+}
+
 static void the_whole_is_the_body(void **state)
 {
     (void)state;
@@ -435,6 +486,8 @@ int main(void)
         cmocka_unit_test(some_have_no_body),
         cmocka_unit_test(planes_become_one),
         cmocka_unit_test(what_may_move_stays),
+        cmocka_unit_test(boxes_are_around_them),
+        cmocka_unit_test(what_stays_has_an_end),
         cmocka_unit_test(the_whole_is_the_body),
         cmocka_unit_test(lines_meet_the_same),
     };
