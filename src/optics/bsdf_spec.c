@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "optics/bsdf_spec.h"
 
+#include "optics/fresnel.h"
+
 /* Where something is asked at one wavelength that is the same at all. */
 static const float any_nm = 550;
 
@@ -186,4 +188,14 @@ bool bsdf_coat_look(const BsdfSpec *spec, float eta_i, LayerLook *look)
                         .tint = spectrum_at_one(&spec->coat_color, any_nm)};
     bsdf_alphas(spec->coat_roughness, spec->coat_roughness_anisotropy, &look->alpha_x, &look->alpha_y);
     return true;
+}
+
+void bsdf_mix_metal(const BsdfSpec *spec, const Lanes *wavelength_nm, int n, Lanes *reflectance)
+{
+    const float part = spec->measured_metal ? spec->base_metalness : 0;
+    for (int i = 0; i < n && part > 0; i++) {
+        Lanes metal = fresnel_conductor(1, spectrum_at(&spec->metal_n, wavelength_nm[i]),
+                                        spectrum_at(&spec->metal_k, wavelength_nm[i]));
+        reflectance[i] = lanes_add(lanes_scale(reflectance[i], 1 - part), lanes_scale(metal, part));
+    }
 }

@@ -61,5 +61,8 @@ bool bsdf_skin_look(const BsdfSpec *spec, float eta_i, LayerLook *look);
 bool bsdf_coat_look(const BsdfSpec *spec, float eta_i, LayerLook *look);
 /* What of diffuse light between a coat and the base under it the base's own skin reflects; 0: it has none. */
 float bsdf_inner_reflectance(const BsdfSpec *spec, Lanes eta_i, Lanes wavelength_nm);
+/* From n fours of reflectances of what is not metal to those of the whole: the part of it that is a measured metal has what that
+ * mirrors head on, in air. */
+void bsdf_mix_metal(const BsdfSpec *spec, const Lanes *wavelength_nm, int n, Lanes *reflectance);
 
 #endif

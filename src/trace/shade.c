@@ -64,6 +64,7 @@ void path_albedos(const Path *path, const Event *event, const SceneSurface *surf
         path_read_albedos(path, event, surface, wavelength_nm, albedo);
     } else {
         for (int i = 0; i < COLOR_FOURS; i++) albedo[i] = spectrum_at(&surface->albedo, wavelength_nm[i]);
+        bsdf_mix_metal(&surface->spec, wavelength_nm, COLOR_FOURS, albedo);
     }
 }
 

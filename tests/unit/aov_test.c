@@ -370,6 +370,37 @@ static void what_covers_in_part_has_its_part(void **state)
     }
 }
 
+/* A measured metal has the colour of what it mirrors, whatever albedo it stands in the place of. */
+static void metals_have_their_colour(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *surface;
+        double red, green;
+    } cases[] = {
+        {"metal = gold", 1.037, .728}, /* gold is redder than the primaries of Rec.709 are */
+        {"metal = gold albedo = .5 metalness = .5", .769, .614},
+        {"metal = gold albedo = .5 metalness = mix { from = .5 to = .5 }", .769, .614},
+        {"metal = gold albedo = checker { from = .5 to = .5 } metalness = .5", .769, .614},
+        {"mix = [surface { metal = gold }, surface { albedo = .5 }]", .769, .614},
+        {"albedo = .5 metalness = 1", .5, .5},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        char text[600];
+        Fixture f;
+        Image image;
+        snprintf(text, sizeof text,
+                 FIXTURE_MEDIA
+                 "box { from = <-999, -999, 0> to = <999, 999, 1> surface = surface { %s } } " FIXTURE_VIEW,
+                 cases[i].surface);
+        render(text, ALL, 1, &f, &image);
+        assert_near(mean_of(&image, "albedo.R"), cases[i].red, 0.002);
+        assert_near(mean_of(&image, "albedo.G"), cases[i].green, 0.002);
+        image_clear(&image);
+        fixture_clear(&f);
+    }
+}
+
 #define SHEET "mesh { positions = [<-9, -9, 1>, <9, -9, 1>, <0, 18, 1>]  triangles = [<0, 1, 2>]  "
 
 /* What is painted on a clear object is of its own colour; of half of it the other half is white, or what is behind. */
@@ -461,6 +492,7 @@ int main(void)
         cmocka_unit_test(what_is_behind_clear_surfaces_is_seen_by_refraction),
         cmocka_unit_test(relief_bends_a_line_once),
         cmocka_unit_test(what_covers_in_part_has_its_part),
+        cmocka_unit_test(metals_have_their_colour),
         cmocka_unit_test(paint_has_its_colour),
         cmocka_unit_test(names_are_hashed_as_others_do),
         cmocka_unit_test(scenes_name_them),
