@@ -382,13 +382,15 @@ Status half_spaces_mesh(const HalfSpace *spaces, uint32_t n, Mesh **mesh, Vec3 *
 bool half_spaces_box(const HalfSpace *spaces, uint32_t n, Box3 *box)
 {
     Clip clip = {0};
-    if (n < 4 || n > HALF_SPACES_MOST) return false;
+    if (n < 2 || n > HALF_SPACES_MOST) return false;
+    clip.box = (Box3){vec3(0, 0, 0), vec3(0, 0, 0)}; /* not empty before a look at it */
     bool found = make_room(&clip, n) && find_body(&clip, spaces, n);
     if (found) {
         list_spaces(&clip, spaces, n, ON_PLANE * clip.size);
         found = measure(&clip);
     }
-    if (found) *box = (Box3){vec3_add(clip.centre, clip.box.min), vec3_add(clip.centre, clip.box.max)};
+    *box = (Box3){vec3_add(clip.centre, clip.box.min), vec3_add(clip.centre, clip.box.max)};
+    found = found || box3_is_empty(clip.box);
     clip_clear(&clip);
     return found;
 }

@@ -20,7 +20,7 @@ HalfSpace half_space_moved(const Affine *map, HalfSpace space);
  * mesh's origin. *mesh is NULL where it is empty, without end, next to flat, or such that rounding keeps it from being closed and
  * convex. STATUS_NOMEM. */
 ATTR_NODISCARD Status half_spaces_mesh(const HalfSpace *spaces, uint32_t n, Mesh **mesh, Vec3 *centre, Error *error);
-/* The box around it. False where it is empty or without end, and where memory ends. */
+/* The box around it, an empty one where nothing is left. False where it is without end, and where memory ends. */
 bool half_spaces_box(const HalfSpace *spaces, uint32_t n, Box3 *box);
 
 #endif

@@ -105,7 +105,7 @@ Box3 between_planes(const Scene *scene, uint32_t part, const Affine *after)
     Sides sides = {.scene = scene, .after = after};
     list_sides(&sides, part, false);
     uint32_t n = sides.n;
-    if (n < 4 || n > HALF_SPACES_MOST) return everywhere;
+    if (n < 2 || n > HALF_SPACES_MOST) return everywhere;
     HalfSpace *spaces = malloc(n * sizeof *spaces);
     sides.items = malloc(n * sizeof *sides.items);
     Box3 box = everywhere;

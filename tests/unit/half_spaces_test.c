@@ -330,7 +330,7 @@ static void what_may_move_stays(void **state)
 static void boxes_are_around_them(void **state)
 {
     (void)state;
-    Spaces cube = {0}, flat = {0}, endless = {0};
+    Spaces cube = {0}, flat = {0}, endless = {0}, empty = {0}, cone = {0};
     Box3 box;
     add_cube(&cube, 2);
     Affine map = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {100, 0, -3}};
@@ -344,6 +344,14 @@ static void boxes_are_around_them(void **state)
     add_cube(&endless, 1);
     endless.n--;
     assert_false(half_spaces_box(endless.items, endless.n, &box));
+    add_cube(&empty, 1);
+    add(&empty, vec3(1, 1, 0), -2);
+    assert_true(half_spaces_box(empty.items, empty.n, &box) && box3_is_empty(box));
+    assert_false(half_spaces_box(empty.items + 5, 2, &box));
+    empty.items[1] = (HalfSpace){vec3(-1, 0, 0), -2};
+    assert_true(half_spaces_box(empty.items, 2, &box) && box3_is_empty(box));
+    for (int i = 0; i < 8; i++) add(&cone, vec3(cos(i), 1, sin(i)), 0);
+    assert_false(half_spaces_box(cone.items, cone.n, &box));
 }
 
 static void assert_bounds(const char *text, const char *view, double volume, double width)
