@@ -129,8 +129,31 @@ static void explain_word(const char *topic, Buf *out)
     buf_add(out, "\nManual: meniscus-language(5)\n");
 }
 
+static int compare_names(const void *left, const void *right)
+{
+    return strcmp(*(const char *const *)left, *(const char *const *)right);
+}
+
+/* The first word of each subject, in order. */
+static void list_subjects(Buf *out)
+{
+    const char *names[COUNT_OF(topics)];
+    for (size_t i = 0; i < COUNT_OF(topics); i++) names[i] = topics[i].words[0];
+    qsort(names, COUNT_OF(names), sizeof names[0], compare_names);
+    Buf list = {0};
+    for (size_t i = 0; i < COUNT_OF(names); i++) buf_format(&list, "%s%s", i ? ", " : "", names[i]);
+    help_wrap(out, "Subjects that have help, beside commands, options, nodes, properties and functions:", 0, 0);
+    buf_add(out, "\n");
+    help_wrap(out, buf_text(&list), 2, 0);
+    buf_clear(&list);
+}
+
 static void explain_subject(const char *topic, Buf *out)
 {
+    if (strcmp(topic, "subjects") == 0) {
+        list_subjects(out);
+        return;
+    }
     for (size_t i = 0; i < COUNT_OF(topics); i++) {
         const char *const *word = topics[i].words;
         while (*word && strcmp(*word, topic) != 0) word++;
@@ -202,8 +225,8 @@ static Status refuse_properties(const char *topic, Error *error)
     return advice ? fail(error, STATUS_USAGE, "there is no help for '%s'; %s", topic, advice) : STATUS_OK;
 }
 
-/* POV-Ray's words and others', with what is written here. */
-static Status refuse_topic(const char *topic, Error *error)
+/* POV-Ray's words and others', with what is written here, or one that is nearly the same; STATUS_OK: nothing. */
+static Status refuse_word(const char *topic, Error *error)
 {
     const char *block = habit_block(topic), *directive = habit_directive_pattern(topic), *word = habit_word(topic);
     if (block) return fail(error, STATUS_USAGE, "'%s' is POV-Ray's, see meniscus-povray(7); %s", topic, block);
@@ -218,14 +241,11 @@ static Status refuse_topic(const char *topic, Error *error)
         return fail(error, STATUS_USAGE, "'%s' is POV-Ray's, see meniscus-povray(7); write: %.*s%s%s", topic, (int)name,
                     directive, directive[name] ? "NAME" : "", directive[name] ? directive + name + 1 : "");
     }
-    return fail(
-        error, STATUS_USAGE,
-        "there is no help for '%s', only for commands, their options, nodes, properties, functions, words of the "
-        "language, and the library (help std); see meniscus(1) for the manual's pages",
-        topic);
+    return STATUS_OK;
 }
 
-/* A word can be a command and a node (render), a node, a function and an option (noise): then all are explained. */
+/* A word can be a command and a node (render), a node, a function and an option (noise): then all are explained. Out
+ * stays empty where there is nothing of that name. */
 static Status explain(const char *topic, Buf *out, Error *error)
 {
     Command command = command_named(topic);
@@ -255,22 +275,43 @@ static Status explain(const char *topic, Buf *out, Error *error)
     if (out->length == 0) explain_subject(topic, out);
     if (out->length == 0) explain_library_file(topic, out);
     library_print_named(topic, out);
-    return out->length ? STATUS_OK : refuse_topic(topic, error);
+    return STATUS_OK;
 }
 
-/* Several words are one topic, however such are joined: double glazing, open mesh, camera fov, std glassware. */
+/* The words of all operands, which may be several in one, with this between them. */
+static void join_words(const Options *options, const char *between, Buf *topic)
+{
+    for (size_t k = 0; k < options->n_operands; k++)
+        for (const char *word = options->operands[k]; *word;) {
+            size_t blanks = strspn(word, " \t\n"), length = strcspn(word + blanks, " \t\n");
+            if (length) buf_format(topic, "%s%.*s", topic->length ? between : "", (int)length, word + blanks);
+            word += blanks + length;
+        }
+}
+
+/* Several words are one topic, however such are joined: double glazing, open mesh, camera fov, std glassware. A hyphen
+ * can stand between them as well: tilt-shift. */
 static Status explain_words(const Options *options, Buf *out, Error *error)
 {
-    static const char *const between[] = {"_", "-", ".", "/", " "}; /* the last one is how a message has it */
-    Status status = STATUS_USAGE;
-    for (size_t i = 0; status != STATUS_OK && i < COUNT_OF(between); i++) {
-        Buf topic = {0};
-        for (size_t k = 0; k < options->n_operands; k++)
-            buf_format(&topic, "%s%s", k ? between[i] : "", options->operands[k]);
-        status = explain(buf_text(&topic), out, error);
-        buf_clear(&topic);
-        if (options->n_operands == 1) break;
-    }
+    enum { BLANK, UNDERSCORE, HYPHEN, N_BETWEEN = 5 };
+    static const char *const between[N_BETWEEN] = {" ", "_", "-", ".", "/"};
+    Buf topic[N_BETWEEN + 1] = {0};
+    Status status = STATUS_OK;
+    for (size_t i = 0; i < N_BETWEEN; i++) join_words(options, between[i], &topic[i]);
+    for (const char *at = buf_text(&topic[UNDERSCORE]); *at; at++)
+        buf_format(&topic[N_BETWEEN], "%c", *at == '-' ? '_' : *at);
+    for (size_t i = 0; status == STATUS_OK && !out->length && i < COUNT_OF(topic); i++)
+        status = explain(buf_text(&topic[i]), out, error);
+    static const size_t refused[] = {UNDERSCORE, HYPHEN, N_BETWEEN, BLANK};
+    for (size_t i = 0; status == STATUS_OK && !out->length && i < COUNT_OF(refused); i++)
+        status = refuse_word(buf_text(&topic[refused[i]]), error);
+    if (status == STATUS_OK && !out->length)
+        status = fail(
+            error, STATUS_USAGE,
+            "there is no help for '%s', only for commands, their options, nodes, properties, functions, words of the "
+            "language, subjects (help subjects), and the library (help std); see meniscus(1) for the manual's pages",
+            buf_text(&topic[BLANK]));
+    for (size_t i = 0; i < COUNT_OF(topic); i++) buf_clear(&topic[i]);
     return status;
 }
 

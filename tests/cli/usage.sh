@@ -122,6 +122,16 @@ frost roughness = .3
 glazing thin = true
 low-e metal = silver
 reeded_glass curve = natural
+total_reflection --ray
+critical_angle mirrored totally
+brewster_angle unpolarized
+newtons_rings no etalons
+layered_liquids glassware.pour(
+exit_status 75: the picture is not finished
+fractals A macro may call itself
+tilt-shift no tilt of the lens
+immersion_oil same index
+backlit studio.dark_field
 glass_block isosurface {
 neon lights.illuminant_f2()
 dusk sky = clear
@@ -133,6 +143,19 @@ media.acrylic Acrylic glass, PMMA
 wine_glass use "std/glassware.mns" as glassware
 scatter Places what stands behind it n times on a disc
 TOPICS
+for topic in 'transparent background' transparent_background transparent-background; do
+    run help "$topic"
+    exits 0
+    says out '--alpha on'
+done
+run help double glazing
+exits 0
+run help ' double  glazing '
+exits 0
+says out 'double glazing, as each of its sides is one'
+run help subjects
+exits 0
+says out 'alpha, antialiasing,'
 run help mist
 exits 0
 says out 'bows, coronas and glories of their size'
@@ -148,6 +171,9 @@ refuses "there is no help for 'exposur'; did you mean 'exposure'?" help exposur
 refuses "there is no help for 'parma'; did you mean 'param'?" help parma
 refuses "'macro' is POV-Ray's, see meniscus-povray(7); write: def NAME { ... }" help macro
 refuses "there is no help for 'look_at'; in a camera, write: to = ..." help look_at
+refuses "there is no help for 'focal_length'; in a camera, write: fov = 40" help focal length
+refuses "there is no help for 'shutter_speed'; in a camera, write: shutter = 180" help 'shutter speed'
+refuses "aperture = 50mm / 2.8" help f-stop
 refuses "there is no help for 'cubic_spline'; in a lathe, write: curve = cubic" help cubic_spline
 refuses "there is no help for 'principled'; write: surface = surface { albedo" help principled
 refuses "there is no help for 'rand'; write: rnd(seed, i), which has no state" help rand
