@@ -5,6 +5,8 @@
 
 #include "cli/render_run.h"
 #include "cli/viewpoint.h"
+#include "diag/suggest.h"
+#include "lang/habits.h"
 
 static uint32_t count_of(const Options *options, OptionKey key, uint32_t otherwise)
 {
@@ -32,6 +34,19 @@ static void list_aovs(char *text, size_t size)
     }
 }
 
+/* What was meant by a name that is none, by its spelling or by what other programs call it. */
+static Status refuse_aov(const char *name, Error *error)
+{
+    const char *names[AOV_COUNT], *meant = habit_choice("aovs", name), *instead = habit_instead("aovs", name);
+    for (Aov aov = 0; aov < AOV_COUNT; aov++) names[aov] = aov_name(aov);
+    if (!meant && instead) return fail(error, STATUS_USAGE, "option '--aov': there is no '%s'; %s", name, instead);
+    if (!meant) meant = suggest_nearest(name, names, COUNT_OF(names));
+    if (meant) return fail(error, STATUS_USAGE, "option '--aov': there is no '%s'; did you mean '%s'?", name, meant);
+    char known[512];
+    list_aovs(known, sizeof known);
+    return fail(error, STATUS_USAGE, "option '--aov': there is no '%s'; there are %s", name, known);
+}
+
 static Status merge_aovs(RenderRun *run, Error *error)
 {
     const char *rest = option_text(run->options, OPTION_AOV, NULL);
@@ -39,15 +54,14 @@ static Status merge_aovs(RenderRun *run, Error *error)
     while (rest) {
         size_t length = strcspn(rest, ",");
         Aov aov = aov_named(rest, length);
-        char known[512];
-        list_aovs(known, sizeof known);
+        char name[64];
+        snprintf(name, sizeof name, "%.*s", (int)length, rest);
         if (length == 3 && strncmp(rest, "all", length) == 0)
             run->settings.aovs = AOV_SET_ALL;
         else if (aov < AOV_COUNT)
             run->settings.aovs |= (AovSet)1 << aov;
         else
-            return fail(error, STATUS_USAGE, "option '--aov': there is no '%.*s'; there are %s", (int)length, rest,
-                        known);
+            return refuse_aov(name, error);
         rest = rest[length] ? rest + length + 1 : NULL;
     }
     return STATUS_OK;

@@ -76,6 +76,10 @@ refuses "8,0,8,8 of the picture of 16 x 16 holds no pixel" render small.mns --cr
 refuses "16,17 is outside of the picture of 16 x 16" render small.mns --crop 0,0,16,17
 refuses "'level' is not NAME=VALUE" render small.mns -D level
 refuses "did you mean 'automatic'?" render small.mns --nesting automtic
+refuses "option '--aov': there is no 'nrmal'; did you mean 'normal'?" render small.mns --aov depth,nrmal
+refuses "option '--aov': there is no 'object_id'; did you mean 'object'?" render small.mns --aov object_id
+refuses "option '--aov': there is no 'motion'; leave it out: motion is no layer" render small.mns --aov motion,depth
+refuses "option '--aov': there is no 'banana'; there are albedo, normal, depth" render small.mns --aov banana
 refuses "150% is outside of 0 to 1" render small.mns --noise 150%
 refuses "must end in .exr or .png" render small.mns -o small.jpg
 refuses "output '.exr' has no name in front of its ending, as picture.exr does" render small.mns -o .exr
