@@ -205,6 +205,13 @@ static double degrees(double radians)
     return radians / MEN_DEGREE;
 }
 
+/* Directions are of single precision: what is less than they hold is no angle. */
+static void add_angle(Buf *out, double radians)
+{
+    double angle = degrees(radians);
+    buf_format(out, "%.4g\u00b0", angle < 2e-5 ? 0 : angle);
+}
+
 static void print_step(const CompiledScene *compiled, const LightStep *step, uint32_t number, Buf *row)
 {
     const Scene *scene = compiled->scene;
@@ -234,8 +241,11 @@ static void print_step(const CompiledScene *compiled, const LightStep *step, uin
         break;
     }
     if (step->scatters) buf_add(&row[3], ", spread around this way");
-    buf_format(&row[4], "%.4g\u00b0", degrees((double)step->angle));
-    if (step->turn == LIGHT_PASSES) buf_format(&row[4], " to %.4g\u00b0", degrees((double)step->on));
+    add_angle(&row[4], (double)step->angle);
+    if (step->turn == LIGHT_PASSES) {
+        buf_add(&row[4], " to ");
+        add_angle(&row[4], (double)step->on);
+    }
 }
 
 static double turned_by(const CheckRay *ray, const LightStep *last)
@@ -259,7 +269,13 @@ static void print_way(const CompiledScene *compiled, const CheckRay *ray, uint32
     for (uint32_t k = 0; k < way->n; k++)
         print_step(compiled, &ray->ways.steps[way->first + k], way->depth + k + 1, report_row(&table));
     report_print_table(&table, out);
-    buf_format(out, "  turned by %.4g\u00b0 in all; the optical path ", degrees(turned_by(ray, last)));
+    if (last->turn == LIGHT_LEAVES && way->depth + way->n == 1) {
+        buf_add(out, "  it meets nothing\n");
+        return;
+    }
+    buf_add(out, "  turned by ");
+    add_angle(out, turned_by(ray, last));
+    buf_add(out, " in all; the optical path ");
     if (last->turn == LIGHT_LEAVES) buf_add(out, "up to the last surface ");
     buf_add(out, "is ");
     report_add_length(out, compiled->scene, way->optical);
@@ -310,7 +326,7 @@ static void print_end(const CompiledScene *compiled, const CheckRays *rays, size
     } else {
         buf_add(&row[3], "is followed no farther");
     }
-    buf_format(&row[4], "%.4g\u00b0", degrees(turned_by(ray, last)));
+    add_angle(&row[4], turned_by(ray, last));
     add_part(&row[5], last->carried);
 }
 

@@ -339,6 +339,17 @@ says out "Light of 589.3 nm from -30, 5, 0, in air, along 1, 0, 0"
 matches out '^  1 +28.3 mm +lens +from air to crown: 95.8 % +5.739° to 3.78° +100 %$'
 matches out '^  3 +[0-9.]+ mm +screen +ends there +91.7 %$'
 matches out '^  turned by 5.[0-9]+° in all; the optical path is 8[0-9.]+ mm$'
+run check lens.mns --ray=-30,40,0:1,0,0
+says out "  it meets nothing"
+cat > slab.mns <<'SCENE'
+meniscus 1.0 unit mm
+medium crown { ior = 1.5  state = solid }
+box slab { from = <-50, -20, -50>  to = <50, 0, 50>  interior = crown }
+environment { }
+camera { from = <0, 100, 100> }
+SCENE
+run check slab.mns --ray=-10,10,0:.3,-1,.1
+matches out '^  turned by 0° in all; the optical path up to the last surface is '
 run check lens.mns --ray 4,4 --size 9x9
 says out "from -200, 5, 0, in air, along 1, 0, 0"
 run check lens.mns --ray=-30,5,0:1,0,0 --ray-least 1% --json
