@@ -307,7 +307,14 @@ static bool is_seen_through(const Scene *scene, const SceneObject *object)
     return object->medium != SCENE_NONE || (object->surface != SCENE_NONE && scene->surfaces[object->surface].thin);
 }
 
-static void remark_behind(Remarks *r, uint32_t ground, Tally *tally)
+/* What is behind grounds, by the lines of the text that place it. */
+typedef struct Behind {
+    ReportLikes likes;
+    uint32_t grounds[REPORT_MOST];
+    bool below[REPORT_MOST];
+} Behind;
+
+static void find_behind(Remarks *r, uint32_t ground, Behind *behind)
 {
     const Scene *scene = r->scene;
     Affine to_plane;
@@ -319,23 +326,35 @@ static void remark_behind(Remarks *r, uint32_t ground, Tally *tally)
             if (side * height_of(&to_plane, place) <= 0) return;
         }
     for (uint32_t i = 0; i < scene->n_objects; i++) {
-        const SceneObject *object = &scene->objects[i];
-        if (!is_bounded(&r->bounds[i]) || !is_behind(&r->bounds[i], &to_plane, side) || !tally_next(tally)) continue;
-        Diagnostic *report =
-            diag_report(r->diag, D_BEHIND_GROUND, object->span, "%s is wholly %s %s, where no camera sees it",
-                        object->name, side > 0 ? "below" : "above", scene->objects[ground].name);
-        diag_note(r->diag, report, scene->objects[ground].span, "%s is here", scene->objects[ground].name);
+        if (!is_bounded(&r->bounds[i]) || !is_behind(&r->bounds[i], &to_plane, side)) continue;
+        uint32_t group = report_count_like(&behind->likes, &scene->objects[i], &scene->objects[ground], i);
+        if (group == REPORT_MOST || behind->likes.counts[group] > 1) continue;
+        behind->grounds[group] = ground;
+        behind->below[group] = side > 0;
     }
+}
+
+static void remark_behind(Remarks *r, const SceneObject *object, const SceneObject *ground, bool below, uint32_t n)
+{
+    Diagnostic *report =
+        diag_report(r->diag, D_BEHIND_GROUND, object->span, "%s is wholly %s %s, where no camera sees it", object->name,
+                    below ? "below" : "above", ground->name);
+    if (n > 1)
+        diag_note_nowhere(r->diag, report, "and so %s %u more that this line places", n == 2 ? "is" : "are",
+                          (unsigned)(n - 1));
+    diag_note(r->diag, report, ground->span, "%s is here", ground->name);
 }
 
 static void remark_behind_ground(Remarks *r)
 {
-    Tally tally = {.code = D_BEHIND_GROUND};
-    for (uint32_t i = 0; i < r->scene->n_objects; i++) {
-        const SceneObject *object = &r->scene->objects[i];
-        if (report_is_plane(r->scene, i) && !is_seen_through(r->scene, object)) remark_behind(r, i, &tally);
-    }
-    tally_end(r, &tally);
+    Behind behind = {.likes.n = 0};
+    const SceneObject *objects = r->scene->objects;
+    for (uint32_t i = 0; i < r->scene->n_objects; i++)
+        if (report_is_plane(r->scene, i) && !is_seen_through(r->scene, &objects[i])) find_behind(r, i, &behind);
+    for (uint32_t i = 0; i < behind.likes.n; i++)
+        remark_behind(r, &objects[behind.likes.first[i]], &objects[behind.grounds[i]], behind.below[i],
+                      behind.likes.counts[i]);
+    report_others(r->diag, D_BEHIND_GROUND, behind.likes.n_others);
 }
 
 /* ---- sizes, liquids, cameras, media ---- */
