@@ -252,8 +252,12 @@ void build_report_open(Builder *b, Span span, const char *name, uint32_t shape)
         return;
     }
     if (!facts->consistent) {
-        diag_report(b->diag, D_MESH_ORIENTATION, span,
-                    "%s encloses nothing: its faces cannot be turned so that neighbours agree about the outside", name);
+        Diagnostic *report = diag_report(
+            b->diag, D_MESH_ORIENTATION, span,
+            "%s encloses nothing: its faces cannot be turned so that neighbours agree about the outside", name);
+        diag_hint(b->diag, report,
+                  "what has one side, as Klein's bottle, can be a sheet, instead of its interior: surface = surface { "
+                  "thin = true  ior = 1.5  transmission = 1 }");
         return;
     }
     Diagnostic *report =
