@@ -184,6 +184,9 @@ refuses "there is no help for 'rand'; write: rnd(seed, i), which has no state" h
 refuses "'help' has no option '--exposure'; 'meniscus help exposure' explains it" help --exposure
 refuses "'Declare=N=3' is POV-Ray's; here it is -D NAME=VALUE" render small.mns Declare=N=3
 refuses "unknown option '-w'; here it is --size 640x480" render small.mns -w 640
+refuses "unknown option '--max-depth'; here it is --set render.bounces=32" render small.mns --max-depth 8
+refuses "unknown option '--start-frame'; here it is --frames 10..20" render small.mns --start-frame 8
+refuses "unknown option '--json'; here it is --progress json, --log-format json" render small.mns --json
 refuses "'sphere' has no property 'centre'; write: center = ..." help sphere.centre
 refuses "'sphere' has no property 'raduis'; did you mean 'radius'?" help sphere.raduis
 refuses "'film' has no property 'gamma'; leave it out: an EXR file keeps light as it is" help film.gamma
