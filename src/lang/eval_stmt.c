@@ -5,6 +5,7 @@
 
 #include "base/array.h"
 #include "lang/evaluator.h"
+#include "lang/habits.h"
 #include "lang/lex.h"
 
 /* ---- transforms ---- */
@@ -15,9 +16,11 @@ static void eval_apply_transform(Evaluator *evaluator, const Affine *transform, 
     bool fits = target && (target->def || (target->type && target->type->flags & NODE_TRANSFORMS));
     if (fits)
         target->transform = affine_compose(transform, &target->transform);
-    else if (target && target->type)
-        eval_report(evaluator, D_MISPLACED, span, "'%s' takes no transforms", target->type->name);
-    else
+    else if (target && target->type) {
+        Diagnostic *report = eval_report(evaluator, D_MISPLACED, span, "'%s' takes no transforms", target->type->name);
+        const char *advice = habit_advice(target->type->name, "transforms");
+        if (advice) diag_hint(evaluator->diag, report, "%s", advice);
+    } else
         diag_hint(evaluator->diag, eval_report(evaluator, D_MISPLACED, span, "a transform outside of a node"),
                   "it stands in the block of what it moves, or in a group: group { NAME(...)  translate(...) }");
 }
