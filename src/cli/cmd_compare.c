@@ -82,6 +82,22 @@ static double white_of(const char *path, const Image *image)
     return exp2(-output_look_for(image, &look).exposure.stops);
 }
 
+/* Pictures of other sizes are left as they are, for the comparison to refuse them. */
+static Status compare_part(const Options *options, Image *a, Image *b, double white, Comparison *comparison,
+                           Error *error)
+{
+    uint32_t crop[4] = {0};
+    if (option_given(options, OPTION_COMPARE_CROP) && a->width == b->width && a->height == b->height) {
+        TRY(option_crop(options, OPTION_COMPARE_CROP, a->width, a->height, crop, error));
+        image_crop(a, crop);
+        image_crop(b, crop);
+    }
+    TRY(image_compare(a, b, white, option_given(options, OPTION_FLIP), comparison, error));
+    comparison->max_x += crop[0];
+    comparison->max_y += crop[1];
+    return STATUS_OK;
+}
+
 Status cmd_compare(const Options *options, const Talk *talk, Error *error)
 {
     Image a = {0}, b = {0};
@@ -90,7 +106,7 @@ Status cmd_compare(const Options *options, const Talk *talk, Error *error)
     bool flip = option_given(options, OPTION_FLIP);
     Status status = read_both(options, talk, &a, &b, error);
     double white = status == STATUS_OK ? white_of(options->operands[1], &b) : 1;
-    if (status == STATUS_OK) status = image_compare(&a, &b, white, flip, &comparison, error);
+    if (status == STATUS_OK) status = compare_part(options, &a, &b, white, &comparison, error);
     if (status == STATUS_OK) {
         if (option_given(options, OPTION_JSON))
             print_json(&comparison, flip, &out);

@@ -2,6 +2,30 @@
 # SPDX-License-Identifier: Apache-2.0
 : "${scratch:?is set by tests/cli/run.sh, which runs this file}"
 
+begin "compare --crop: a part of both, or a part that was rendered with the whole"
+cat > ball.mns <<'SCENE'
+meniscus 1.0 unit mm
+sphere { surface = surface { albedo = .3 } }
+environment { }
+camera { from = <0, 0, 5> }
+film { size = <16, 12> }
+render { samples = 4 }
+SCENE
+run render ball.mns -q -o whole.exr
+run render ball.mns -q -o part.exr --crop 4,3,12,9
+run compare part.exr whole.exr --max-rmse 0
+exits 1
+run compare part.exr whole.exr --crop 4,3,12,9 --max-rmse 0
+exits 0
+run compare part.exr whole.exr --crop 25%,25%,75%,75% --max-rmse 0
+exits 0
+run compare part.exr whole.exr --crop 12,9,16,12
+matches out '^largest .* at 1[2-5],(9|1[01])$'
+run compare part.exr whole.exr --crop 4,3,4,9
+exits 2
+says err "holds no pixel"
+end
+
 begin "compare: equal pictures, different ones, other sizes"
 small_scene
 run render small.mns -o a.exr
