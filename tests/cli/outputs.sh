@@ -453,7 +453,7 @@ says out "medium.G float"
 says out '"water"'
 run render small.mns -o c.exr --aov normals
 exits 2
-says err "there is no 'normals'; there are albedo,"
+says err "there is no 'normals'; did you mean 'normal'?"
 run render small.mns -o c.png --aov depth
 exits 0
 says err "warning: '--aov': channels are kept in EXR files, and no output is one"
