@@ -1,11 +1,11 @@
-/* report_leaks.c - liquids that come out through the wall of the solid that holds them, as where a drink is to reach into its glass
- * and is wider than that at its foot.
+/* report_leaks.c - liquids that come out through the wall of the solid that holds them, as where a drink is to reach into its
+ * glass and is wider than that at its foot.
  *
  * Lines in all directions find the chords of each that are seen. Those that pass one small cube of space are of one body; what is
- * between two of one line and covered by solids alone is a wall. Cubes are too coarse for thin places, so a chord on the other side
- * of a wall is no part of the main body if walks from it, each step to a random place of a random chord through the place before,
- * never come there. Where most chords of such a body end at the liquid's own surface, it hangs outside; in the bore of a straw, or behind a
- * pane that parts a tank, they end at the wall.
+ * between two of one line and covered by solids alone is a wall. Cubes are too coarse for thin places, so a chord on the other
+ * side of a wall is no part of the main body if walks from it, each step to a random place of a random chord through the place
+ * before, never come there. Where most chords of such a body end at the liquid's own surface, it hangs outside; in the bore of a
+ * straw, or behind a pane that parts a tank, they end at the wall.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 #include <stdlib.h>
@@ -65,8 +65,8 @@ static uint32_t body_of(const Body *b, uint32_t chord)
 
 /* ---- chords ---- */
 
-/* Where a chord is far enough from its ends for cells not to lie across a wall: number i of its places, half a cell apart; false: there
- * are no more. */
+/* Where a chord is far enough from its ends for cells not to lie across a wall: number i of its places, half a cell apart; false:
+ * there are no more. */
 static bool place_within(const Body *b, const Chord *chord, uint32_t i, Vec3 *place)
 {
     Vec3 along = vec3_sub(chord->end, chord->begin);

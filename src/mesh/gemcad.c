@@ -1,10 +1,11 @@
 /* gemcad.c - reads cut stones from the cutting instructions of GemCad, .asc, as they are passed on among gem cutters.
  *
- * A line of text is a record, whose first letter says what it is: `g` the teeth of the index wheel and the index at the bottom of the
- * view from above, `I` the refractive index, `a` a tier of facets, with their angle to the girdle's plane, how far they are from the
- * middle, and the index of each; `n` and a name may follow an index, and `G` and a note end a tier. Pavilions have angles below 0, which a
- * culet says as -0, or by its distance. `y`, the symmetry, says nothing: indices are all there. `H` and `F` are titles and notes. Lines
- * that begin with none of these go on with a tier. The middle of the stone stays at the origin, its axis becomes y.
+ * A line of text is a record, whose first letter says what it is: `g` the teeth of the index wheel and the index at the bottom of
+ * the view from above, `I` the refractive index, `a` a tier of facets, with their angle to the girdle's plane, how far they are
+ * from the middle, and the index of each; `n` and a name may follow an index, and `G` and a note end a tier. Pavilions have
+ * angles below 0, which a culet says as -0, or by its distance. `y`, the symmetry, says nothing: indices are all there. `H` and
+ * `F` are titles and notes. Lines that begin with none of these go on with a tier. The middle of the stone stays at the origin,
+ * its axis becomes y.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 #include <stdlib.h>

@@ -115,8 +115,8 @@ ATTR_NODISCARD Status mesh_load_stl(const char *path, MeshSource *source, Mesh *
  * is below), meshes, materials. */
 ATTR_NODISCARD Status mesh_load_gltf(const char *path, MeshSource *source, Mesh **mesh, Error *error);
 
-/* Cutting instructions of GemCad, as text: the stone that its facets enclose, see gemcad.c. The unit, about half of a stone's width, is 5 mm. Its
- * material is called 'stone', with the refractive index that the file says. */
+/* Cutting instructions of GemCad, as text: the stone that its facets enclose, see gemcad.c. The unit, about half of a stone's
+ * width, is 5 mm. Its material is called 'stone', with the refractive index that the file says. */
 ATTR_NODISCARD Status mesh_load_gemcad(const char *path, MeshSource *source, Mesh **mesh, Error *error);
 
 /* For readers. How many bytes of a text to quote that stand where something else should: up to the end of the word, but not all

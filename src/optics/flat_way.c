@@ -95,8 +95,8 @@ static Vec3 mirrored_image(const FlatFace *faces, uint32_t n, Vec3 point)
     return point;
 }
 
-/* A start: as it leaves, where that is known; straight ahead, or where that is reflected totally, steeper towards the first face. By how
- * much it misses. */
+/* A start: as it leaves, where that is known; straight ahead, or where that is reflected totally, steeper towards the first face.
+ * By how much it misses. */
 static double first_guess(const FlatFace *faces, uint32_t n, Vec3 from, Vec3 to, const Vec3 *leaving, Vec3 *direction,
                           FlatRay *ray, Vec3 *miss)
 {

@@ -1,8 +1,8 @@
 /* flat_way.h - ways of light by flat faces, one after another: through them, or mirrored.
  *
- * A ray by given faces is known in closed form, and so is how far its end moves as its start is turned (ray differentials: H. Igehy,
- * "Tracing Ray Differentials", SIGGRAPH 1999, 3.1; of flat faces alone, whose normals are the same everywhere). So the ray that leads
- * from one point to another is found by Newton's method.
+ * A ray by given faces is known in closed form, and so is how far its end moves as its start is turned (ray differentials: H.
+ * Igehy, "Tracing Ray Differentials", SIGGRAPH 1999, 3.1; of flat faces alone, whose normals are the same everywhere). So the ray
+ * that leads from one point to another is found by Newton's method.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_FLAT_WAY_H
 #define MEN_FLAT_WAY_H
@@ -31,9 +31,9 @@ typedef struct FlatRay {
 bool flat_way_follow(const FlatFace *faces, uint32_t n, Vec3 from, Vec3 direction, FlatRay *ray);
 /* The area, across the ray at a point on it, that a steradian of directions at its start leads to. */
 double flat_ray_spread(const FlatRay *ray, Vec3 to);
-/* The direction in which a ray leads by the faces from one point to another, to 1e-8 of how far these are; false: none was found. leaving:
- * the unit direction behind the last face, roughly, where faces turn rays so far that one that starts straight ahead misses them; or
- * NULL. */
+/* The direction in which a ray leads by the faces from one point to another, to 1e-8 of how far these are; false: none was found.
+ * leaving: the unit direction behind the last face, roughly, where faces turn rays so far that one that starts straight ahead
+ * misses them; or NULL. */
 bool flat_way_find(const FlatFace *faces, uint32_t n, Vec3 from, Vec3 to, const Vec3 *leaving, Vec3 *direction,
                    FlatRay *ray);
 

@@ -12,15 +12,15 @@
 
 /* Lamps whose cones are wider, as the cosine of half of that, light so much that flights find it. */
 #define NARROW 0.966
-/* Those whose cones are not wider are pencils of light, if all of one comes to the same face. Its ways hold nearly all of its light
- * behind that, and looks from elsewhere, which find next to nothing, are sent but so often: of two lasers in a tank of milk they took
- * more than half of the time. */
+/* Those whose cones are not wider are pencils of light, if all of one comes to the same face. Its ways hold nearly all of its
+ * light behind that, and looks from elsewhere, which find next to nothing, are sent but so often: of two lasers in a tank of milk
+ * they took more than half of the time. */
 #define PENCIL 0.9998
 #define SELDOM 0.125f
 /* Of its light, less is not followed. */
 #define FAINT 0.01f
-/* Rays of each lamp; each is followed through all faces, and again and again, mirrored at the first of them, or the next, ...; events of
- * each, and straight parts and routes of all. */
+/* Rays of each lamp; each is followed through all faces, and again and again, mirrored at the first of them, or the next, ...;
+ * events of each, and straight parts and routes of all. */
 enum { RAYS = 32, MIRRORED_AT_MOST = 4, MOST_EVENTS = 64, MOST_PARTS = 1024, MOST_ROUTES = 48 };
 /* The rays' random numbers: no pixel of a picture has this coordinate. */
 enum { RAY_PIXEL = 0x6265616d };
@@ -86,8 +86,8 @@ static void add_face(BeamRoute *route, const Event *event, const SlabFace *face,
     route->steps = slab_step(route->steps, face->number, mirrored);
 }
 
-/* The parts behind the first face, or the one, number mirrored_at from 1 on, that mirrors; 0: none does. place: where the ray left the
- * lamp. */
+/* The parts behind the first face, or the one, number mirrored_at from 1 on, that mirrors; 0: none does. place: where the ray
+ * left the lamp. */
 static void follow(Path *path, const double place[2], uint32_t mirrored_at, Parts *parts)
 {
     const World *world = path->tracer->world;
@@ -388,8 +388,8 @@ void beam_way_source(const BeamWay *way, Vec3 place, double middle[2], double re
 
 /* ---- places on a stretch ---- */
 
-/* Where a stretch passes a way: places within the beam mostly, each as often, and the others, or all where it goes beside, by an angle
- * under which something as far from the stretch's foot as the axis, and the radius more, would see them. */
+/* Where a stretch passes a way: places within the beam mostly, each as often, and the others, or all where it goes beside, by an
+ * angle under which something as far from the stretch's foot as the axis, and the radius more, would see them. */
 typedef struct Passing {
     double foot, begin, end; /* the others, from the foot */
     double within;           /* as far as this from the foot it is within the beam; 0: it is not */

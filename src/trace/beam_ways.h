@@ -1,18 +1,21 @@
 /* beam_ways.h - where narrow beams of light go behind flat faces, so that media which they are seen in are looked at there;
  * private to src/trace.
  *
- * A laser's beam in a tank of cloudy water is a thin line of light: flights (flight.h) are scattered within it hardly ever, looks for
- * lights along the path's way (airlight.h) go straight and end at the glass, and looks through flat faces (slab_lamp.h) find the
- * lamp only from places within the beam. So before the picture some rays of each narrow lamp (beams.h) are followed through all
- * flat faces: each stretch that they go there is one way. Of a stretch of a path that passes near ways a place is chosen by its
- * distance to one of them, and light is looked for there through the faces, as if the path had been scattered there.
+ * A laser's beam in a tank of cloudy water is a thin line of light: flights (flight.h) are scattered within it hardly ever, looks
+ * for lights along the path's way (airlight.h) go straight and end at the glass, and looks through flat faces (slab_lamp.h) find
+ * the lamp only from places within the beam. So before the picture some rays of each narrow lamp (beams.h) are followed through
+ * all flat faces: each stretch that they go there is one way. Of a stretch of a path that passes near ways a place is chosen by
+ * its distance to one of them, and light is looked for there through the faces, as if the path had been scattered there.
  *
  * The same looks are sent where a flight was scattered. With pf(t) the density of flights' places and q b(t) that of these, what
- * either finds counts by its density over pf(t) + q b(t) ([Veach97] 9.2.2, the balance heuristic); so whatever the ways are, right or
- * not, the picture converges to the same.
+ * either finds counts by its density over pf(t) + q b(t) ([Veach97] 9.2.2, the balance heuristic); so whatever the ways are,
+ * right or not, the picture converges to the same.
  *
- * What is mirrored once is a way, too, where that is not too faint. What comes through what is curved is left to photons (shaft.h),
- * and lamps of wide cones to flights.
+ * Looks from a place within a way go straight towards the lamp, and come to its faces so (slab_lamp.h). Where the way is mirrored,
+ * or turned so far that its faces are not in that line, as behind a prism, they go by the faces that the rays have met.
+ *
+ * What is mirrored once is a way, too, where that is not too faint. What comes through what is curved is left to photons
+ * (shaft.h), and lamps of wide cones to flights.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_BEAM_WAYS_H
 #define MEN_BEAM_WAYS_H
@@ -56,9 +59,9 @@ typedef struct BeamWay {
         fans_out; /* it is not mirrored, and each wavelength goes another way: photons find it in air, and more than looks do */
     float power;      /* > 0, of the lamp's, what goes there */
     double radius[2]; /* > 0, at its beginning and its end */
-    /* From which places of a flat lamp light comes to a place of the way: those up to so far along either axis of the lamp, at the way's
-     * beginning and its end, from one that depends on how the place lies across the way, place_mean + slope * (across - across_mean).
-     * 0: from anywhere. Places of lamps are told along their x and z axes, in world units. */
+    /* From which places of a flat lamp light comes to a place of the way: those up to so far along either axis of the lamp, at
+     * the way's beginning and its end, from one that depends on how the place lies across the way, place_mean + slope * (across -
+     * across_mean). 0: from anywhere. Places of lamps are told along their x and z axes, in world units. */
     double reach[2][2], place_mean[2], across_mean[2], slope[2][2];
 } BeamWay;
 

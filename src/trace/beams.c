@@ -28,8 +28,8 @@ static bool comes_to_one(const SceneLight *light, const Box3 *boxes, uint32_t n)
     return comes;
 }
 
-/* How often a lamp is looked at of the times when it is chosen, before anything is known of its ways; less than 0: it is no beam. Of prisms, looks
- * that go straight know nothing; of pencils of light, ways do. */
+/* How often a lamp is looked at of the times when it is chosen, before anything is known of its ways; less than 0: it is no beam.
+ * Of prisms, looks that go straight know nothing; of pencils of light, ways do. */
 static float looks_of(const World *world, const SceneLight *light)
 {
     const double pencil = 0.999; /* the cosine of half of its cone */
@@ -86,8 +86,8 @@ bool beams_have(const World *world, uint32_t emitter)
 
 /* How often one is looked at, where there are some. */
 #define AT_BALLS 0.25
-/* The sine of how far light is turned at most that comes to a ball by faces, where looks are to find it; and what they find besides of
- * what is seen straight, at its rim. */
+/* The sine of how far light is turned at most that comes to a ball by faces, where looks are to find it; and what they find
+ * besides of what is seen straight, at its rim. */
 #define TURNED 0.8
 #define RIM 0.2
 

@@ -12,8 +12,8 @@
 
 #include "trace/beam_ways.h"
 
-/* Sets world->beams, lamps without size and those that are flat and shine into a cone, which may come straight to a slab, and
- * world->balls. World's lights and slabs are to be known. STATUS_NOMEM. */
+/* Sets world->beams, lamps without size and those that are flat and shine into a cone, which may come straight to a slab, pencils of
+ * light that may come to a prism, and world->balls. World's lights and slabs are to be known. STATUS_NOMEM. */
 ATTR_NODISCARD Status beams_find(World *world, Error *error);
 /* Whether an emitter is one of these. */
 bool beams_have(const World *world, uint32_t emitter);
@@ -24,17 +24,18 @@ typedef struct BeamPlace {
     const BeamWay *way; /* NULL, or one by whose route light comes from there, as the look is to go */
 } BeamPlace;
 
-/* One of them, of which there are some, or EMITTER_NONE: none this time; and a place on it, to be looked at from a place. Where that is
- * within the way of a narrow beam (beam_ways.h), that one mostly, and where its light comes from. in_air: the place is on no surface. digits: 32 of a number in [0, 1),
- * u: in [0, 1). */
+/* One of them, of which there are some, or EMITTER_NONE: none this time; and a place on it, to be looked at from a place. Where
+ * that is within the way of a narrow beam (beam_ways.h), that one mostly, and where its light comes from. in_air: the place is on
+ * no surface. digits: 32 of a number in [0, 1), u: in [0, 1). */
 uint32_t beams_sample(const World *world, Vec3 from, bool in_air, double time, uint32_t digits, const float u[2],
                       BeamPlace *chosen);
-/* The density of that per area of the lamp, the choice included; of what has no size, of the choice alone. Of looks that go straight; */
+/* The density of that per area of the lamp, the choice included; of what has no size, of the choice alone. Of looks that go
+ * straight; */
 double beams_density(const World *world, Vec3 from, bool in_air, uint32_t emitter, Vec3 place, double time);
 /* and of those by the route of a way, which holds the place. */
 double beams_density_by_route(const World *world, Vec3 from, bool in_air, const BeamWay *way, Vec3 place, double time);
-/* The way that holds a place, to which light of a lamp comes by these steps (see slab_step), where looks go by its route; NULL: there is
- * none. */
+/* The way that holds a place, to which light of a lamp comes by these steps (see slab_step), where looks go by its route; NULL:
+ * there is none. */
 const BeamWay *beams_find_route(const World *world, Vec3 from, bool in_air, uint32_t emitter, uint64_t steps);
 
 #endif
