@@ -239,17 +239,25 @@ static void check_thin_film(Builder *b, const EvalNode *node)
     if (report) diag_hint(b->diag, report, "it is a film as a whole: its index is its ior");
 }
 
-/* A coat lies over what is opaque of a thin surface. */
-static void check_coat_of_pane(Builder *b, const EvalNode *node)
+static bool is_whole(const EvalNode *node, const char *property)
 {
-    const EvalProp *transmission = eval_prop(node, "transmission");
-    const bool all_clear = eval_truth(node, "thin") && transmission && !transmission->textured &&
-                           transmission->as.number == 1 && !has_metal(node);
-    Diagnostic *report = all_clear ? build_needs(b, node, "coat", "on a pane, all of which is clear") : NULL;
+    const EvalProp *part = eval_prop(node, property);
+    return part && !part->textured && part->as.number == 1;
+}
+
+/* A coat lies over what is opaque of a thin surface. */
+static void check_coat_of_thin(Builder *b, const EvalNode *node)
+{
+    if (!eval_truth(node, "thin") || has_metal(node)) return;
+    const bool clear = is_whole(node, "transmission"), translucent = !clear && is_whole(node, "translucency");
+    Diagnostic *report = clear         ? build_needs(b, node, "coat", "on a pane, all of which is clear")
+                         : translucent ? build_needs(b, node, "coat", "on what is translucent as a whole")
+                                       : NULL;
     if (report)
         diag_hint(b->diag, report,
-                  "what light loses in a pane is its tint, what it mirrors its ior; part of it is opaque with "
-                  "transmission = .5");
+                  clear ? "what light loses in a pane is its tint, what it mirrors its ior; part of it is opaque with "
+                          "transmission = .5"
+                        : "what light loses in it is its albedo; half of it is under the coat with translucency = .5");
 }
 
 static void check_needs(Builder *b, const EvalNode *node)
@@ -263,7 +271,7 @@ static void check_needs(Builder *b, const EvalNode *node)
     }
     if (!thin || !pane) check_pane(b, node, thin, pane);
     if (thin) check_thin_film(b, node);
-    check_coat_of_pane(b, node);
+    check_coat_of_thin(b, node);
     bool all_metal = eval_prop(node, "metal") && !eval_prop(node, "metalness");
     for (size_t i = 0; all_metal && i < COUNT_OF(of_metal); i++) build_exclude(b, node, "metal", of_metal[i]);
     static const char *const of_grain[] = {"grain", "grain_angle"};
