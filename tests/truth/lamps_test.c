@@ -251,7 +251,7 @@ static void through_a_prism(void **state)
                  "  rotate(x, -90)  translate(<0, -5.19615, 0>)  rotate(z, -71.4)  translate(<-.957, 22.84, 0>) }\n",
                  glasses[i]);
         snprintf(what, sizeof what, "a pencil through a prism, %s", glasses[i]);
-        truth_alike(what, truth_measure(text, NULL, 1 << 19, true), truth_measure_as(text, NULL, &looking), 4, 0.03);
+        truth_alike(what, truth_measure(text, NULL, 1 << 17, true), truth_measure_as(text, NULL, &looking), 4, 0.03);
     }
 }
 
