@@ -28,16 +28,18 @@ static bool comes_to_one(const SceneLight *light, const Box3 *boxes, uint32_t n)
     return comes;
 }
 
+/* The cosine of half of the cone of lamps whose ways tell all that can be told of them behind prisms. */
+#define KNOWN_BY_WAYS 0.999
+
 /* How often a lamp is looked at of the times when it is chosen, before anything is known of its ways; less than 0: it is no beam.
- * Of prisms, looks that go straight know nothing; of pencils of light, ways do. */
+ * Of prisms, looks that go straight know nothing; of narrow lamps, ways do. */
 static float looks_of(const World *world, const SceneLight *light)
 {
-    const double pencil = 0.999; /* the cosine of half of its cone */
     if (light->kind != LIGHT_POINT && !light_is_focused(light)) return -1;
     const bool may_move = world->scene->n_keys > 0;
     if (world->slabs.n_boxes && (may_move || comes_to_one(light, world->slabs.boxes, world->slabs.n_boxes))) return 1;
-    bool comes =
-        !may_move && light->cos_none >= pencil && comes_to_one(light, world->slabs.basins, world->slabs.n_basins);
+    bool comes = !may_move && light->cos_none >= KNOWN_BY_WAYS &&
+                 comes_to_one(light, world->slabs.basins, world->slabs.n_basins);
     return comes ? 0 : -1;
 }
 
@@ -217,14 +219,14 @@ static double density_along(const World *world, const BeamWay *way, Vec3 from, V
 static void sample_along(const World *world, const BeamWay *way, Vec3 from, double time, const float u[2],
                          BeamPlace *chosen)
 {
-    const float rest[2] = {u[0] < (float)AT_WHOLE ? u[0] / (float)AT_WHOLE : u[0], u[1]};
     Window window;
-    chosen->place = light_even_place(world, way->emitter, time, rest, &chosen->area);
-    if (!(chosen->area > 0) || !find_window(world, way, from, chosen->area, &window)) {
-        chosen->place = light_even_place(world, way->emitter, time, u, &chosen->area);
+    chosen->area = light_even_area(world, way->emitter, time);
+    const bool known = chosen->area > 0 && find_window(world, way, from, chosen->area, &window);
+    if (!known || u[0] < (float)AT_WHOLE) {
+        const float whole[2] = {known ? u[0] / (float)AT_WHOLE : u[0], u[1]};
+        chosen->place = light_even_place(world, way->emitter, time, whole, &chosen->area);
         return;
     }
-    if (u[0] < (float)AT_WHOLE) return;
     const double part[2] = {((double)u[0] - AT_WHOLE) / (1 - AT_WHOLE), (double)u[1]};
     double at[2];
     for (int i = 0; i < 2; i++) at[i] = window.low[i] + part[i] * (window.high[i] - window.low[i]);

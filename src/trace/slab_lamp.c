@@ -503,11 +503,12 @@ static void look_at_beam(Path *path, const LookPlace *from, LightLooks *looks)
 {
     const World *world = path->tracer->world;
     const Vec3 position = from->place->position;
+    const bool in_air = is_in_air(from->normal);
     LightSample *light = &looks->lights[looks->n];
     float u[2];
     BeamPlace at;
     uint32_t digits = sampler_3d(&path->sampler, DIM_BEAMS + 3 * path->bounce, u);
-    uint32_t emitter = beams_sample(world, position, is_in_air(from->normal), path->ray.time, digits, u, &at);
+    uint32_t emitter = beams_sample(world, position, in_air, path->ray.time, digits, u, &at);
     if (emitter == EMITTER_NONE) return;
     const Vec3 to = vec3_sub(at.place, position);
     const double distance = vec3_length(to), time = path->ray.time;
@@ -515,8 +516,10 @@ static void look_at_beam(Path *path, const LookPlace *from, LightLooks *looks)
     if (!at.way && !is_bent(path, from, emitter, at.place, direction, distance)) return;
     const bool has_area = at.area > 0;
     if (has_area && !knows_looks(world)) return;
-    double density = at.way ? beams_density_by_route(world, position, is_in_air(from->normal), at.way, at.place, time)
-                            : beams_density(world, position, is_in_air(from->normal), emitter, at.place, time);
+    /* of what has an area the density is that of where the look comes to */
+    double density = has_area ? 0
+                     : at.way ? beams_density_by_route(world, position, in_air, at.way, at.place, time)
+                              : beams_density(world, position, in_air, emitter, at.place, time);
     *light = (LightSample){.direction = direction,
                            .distance = distance - light_short_of(distance, 1, at.place),
                            .object = has_area ? light_of_emitter(world, emitter)->object : RTC_NO_OBJECT,

@@ -207,17 +207,18 @@ void path_read_albedos(const Path *path, const Event *event, const SceneSurface 
                        const Lanes wavelength_nm[COLOR_FOURS], Lanes albedo[COLOR_FOURS])
 {
     const World *world = path->tracer->world;
+    uint32_t i = 0;
+    while (i < surface->n_textures && surface->textures[i].offset != offsetof(BsdfSpec, base_color)) i++;
+    const bool textured = i < surface->n_textures;
+    if (!textured)
+        for (int k = 0; k < COLOR_FOURS; k++) albedo[k] = spectrum_at(&surface->spec.base_color, wavelength_nm[k]);
+    if (!textured && !surface->spec.measured_metal) return;
     const Wavelengths at = {COLOR_FOURS, wavelength_nm};
     BsdfSpec spec;
     TextureView view;
     texture_view(world, surface, &path->ray, &event->hit, (double)path->cone_width, &view);
-    uint32_t i = 0;
-    while (i < surface->n_textures && surface->textures[i].offset != offsetof(BsdfSpec, base_color)) i++;
-    if (i < surface->n_textures)
-        texture_at_each(world->scene->textures, surface->textures[i].texture, &view.at, &at, albedo);
-    for (int k = 0; k < COLOR_FOURS; k++)
-        albedo[k] = i < surface->n_textures ? lanes_clamp(albedo[k], 0, 1)
-                                            : spectrum_at(&surface->spec.base_color, wavelength_nm[k]);
+    if (textured) texture_at_each(world->scene->textures, surface->textures[i].texture, &view.at, &at, albedo);
+    for (int k = 0; k < COLOR_FOURS && textured; k++) albedo[k] = lanes_clamp(albedo[k], 0, 1);
     if (!surface->spec.measured_metal) return;
     read_spec(world->scene, surface, &view.at, wavelength_nm[0], &spec);
     bsdf_mix_metal(&spec, wavelength_nm, COLOR_FOURS, albedo);
