@@ -3,7 +3,7 @@
 # usage: tests/run.sh MENISCUS PROGRAM... ; a PROGRAM is a cmocka program, or a script that ends with "N passed, N failed"
 # Unit tests and the parts of the tests of the command line run one on each processor, as most of their work has one thread; all
 # others, which have many, one after the other.
-# The last line is "N passed, N failed"; the exit status is 1 when anything failed.
+# The last line is "N passed, N failed", and before it comes once more what failed; the exit status is 1 when anything did.
 # SPDX-License-Identifier: Apache-2.0
 set -u
 
@@ -13,6 +13,15 @@ script() {
     tests/cli/*) sh tests/cli/run.sh "$2" "$(basename "$1" .sh)" ;;
     *) sh "$1" "$2" ;;
     esac
+}
+
+# failures PROGRAM STATUS LOG: the names of the tests that failed, each with the last words before it that say why
+failures() {
+    echo "failed: $1 (status $2)"
+    {
+        grep -A 4 '^not ok' "$3" | head -40
+        sed '/ run\.$/,$d' "$3" | grep -B 5 '^\[  FAILED  \] ' | grep -vE '^(\[ +(RUN|OK) |--$)' | head -40
+    } | sed 's/^/    /'
 }
 
 # run_one FOLDER MENISCUS PROGRAM: leaves PATH.log and PATH.counts there, each / of PATH a comma (two folders have programs of one
@@ -35,6 +44,7 @@ run_one() {
     [ "$status" -eq 0 ] || [ "$failed" -gt 0 ] || failed=1
     [ "$status" -ne 0 ] || [ "$((passed + failed))" -gt 0 ] || failed=1 # a test that tests nothing
     echo "$passed $failed" > "$1/$name.counts"
+    [ "$failed" -eq 0 ] || failures "$3" "$status" "$log" > "$1/$name.failures"
     {
         echo "$(basename "$3"): $passed passed, $failed failed, $(($(date +%s) - before)) s"
         if [ "$failed" -gt 0 ]; then
@@ -68,5 +78,6 @@ for counts in "$results"/*.counts; do
     n_passed=$((n_passed + passed)) n_failed=$((n_failed + failed)) n_programs=$((n_programs + 1))
 done
 [ "$n_programs" -eq $# ] || { echo "of $# programs $n_programs were run" >&2; n_failed=$((n_failed + 1)); }
+cat "$results"/*.failures 2> /dev/null # of the reports this is far above, and what keeps a part of the output keeps its end
 echo "$n_passed passed, $n_failed failed"
 [ "$n_failed" -eq 0 ]
