@@ -127,11 +127,11 @@ for beside in "--checkpoint 1h" "--sample-range 1..100000 --resume"; do
     run render kept.mns -o a.exr -t 0.3 $beside
     exits 75
     took=$(($(date +%s) - begun))
-    [ $took -le 8 ] || flunk "0.3 s took $took s with $beside"
+    [ $took -le 20 ] || flunk "0.3 s took $took s with $beside"
     there a.checkpoint.exr
     rm -f a.*
 done
-run_until 1 INT render kept.mns -o a.exr --checkpoint 1h
+run_till "$following" INT render kept.mns -o a.exr --checkpoint 1h
 exits 130
 gone a.exr
 says err "the photons so far are kept for '--resume' in a.checkpoint.exr"
@@ -141,10 +141,7 @@ begin "fewer samples or more noise than the checkpoint's render asks for: it sta
 kept_scene
 sed -i 's/samples = 200/samples = 600/' kept.mns
 run render kept.mns -o whole.exr -q
-for seconds in 0.3 0.6 1.2 2.4; do # which is after the first sample, on a busy machine, too
-    run_until "$seconds" INT render kept.mns -o a.exr --checkpoint 1h -q
-    [ -s a.checkpoint.exr ] && break
-done
+run_till "$sampling" INT render kept.mns -o a.exr --checkpoint 1h
 there a.checkpoint.exr
 run render kept.mns -o a.exr --resume --noise 90%
 exits 0
@@ -305,7 +302,7 @@ kept_scene
 echo 'animation { frames = 2 }' >> kept.mns
 run render kept.mns -s 600 -q -o 'whole.#.exr'
 exits 0
-run_until 0.6 INT render kept.mns -s 600 -o 'a.#.exr' --resume
+run_till "$sampling" INT render kept.mns -s 600 -o 'a.#.exr' --resume
 exits 130
 says err 'of this frame a checkpoint is kept'
 run render kept.mns -s 600 -o 'a.#.exr' --resume --skip-existing

@@ -360,13 +360,13 @@ end
 begin "a signal ends an animation; the frame that it stops is not written"
 moving_scene
 sed -i 's/samples = 4/samples = frame < 3 ? 4 : 16777216/' moving.mns
-run_until 2 INT render moving.mns
+run_till '"samplesTotal": 16777216' INT render moving.mns
 exits 130
 frames_there moving.0001.exr moving.0002.exr
 says err 'this frame is not written'
 matches err '^rendered 2 frames of 6 in '
 no_leftovers
-run_until 1 INT render moving.mns --frame 3
+run_till "$sampling" INT render moving.mns --frame 3
 exits 130
 there moving.0003.exr
 end

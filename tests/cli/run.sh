@@ -51,6 +51,20 @@ run_until() {
     timeout -s "$stop_by" --preserve-status "$stop_after" "$program" "$@" > out 2> err
     status=$?
 }
+# run_till EXPRESSION SIGNAL ARGUMENT...: the same, stopped once its progress, as lines of JSON, matches, however busy the machine is
+run_till() {
+    till=$1 stop_by=$2
+    shift 2
+    rm -f err
+    env --default-signal=INT "$program" "$@" --progress json > out 2> err & # which a shell's background processes ignore
+    child=$!
+    await grep -qE -e "$till" err || flunk "its progress never matches: $till"
+    kill -"$stop_by" $child || flunk "it has ended already"
+    wait $child 2> /dev/null
+    status=$?
+}
+sampling='"samples": [1-9]' # of run_till: after the first sample
+following='"photons": [0-9.]*[1-9]' # after the first photons
 exits() { [ "$status" -eq "$1" ] || flunk "exit status $status, not $1"; }
 # await COMMAND...: waits until the command succeeds, a minute at most, as a loaded machine may need; then it fails
 await() {

@@ -4,7 +4,7 @@
 
 begin "INT writes the picture and ends by INT"
 long_scene
-run_until 1 INT render long.mns -o a.exr
+run_till "$sampling" INT render long.mns -o a.exr
 exits 130
 there a.exr
 says err "stopping"
@@ -17,7 +17,7 @@ end
 begin "TERM and HUP as well"
 long_scene
 for signal in TERM:143 HUP:129; do
-    run_until 1 "${signal%:*}" render long.mns -o "$signal.exr" -q
+    run_till "$sampling" "${signal%:*}" render long.mns -o "$signal.exr"
     exits "${signal#*:}"
     there "$signal.exr"
 done
@@ -70,7 +70,7 @@ small_scene
 { cat small.mns; echo 'var n = 0  while (n < 30000000) { n := n + 1 }'; } > slow.mns
 "$program" render slow.mns -o a.exr 2> err &
 child=$!
-sleep 0.3
+await grep -q '^SigCgt:.*[2367abef]..$' /proc/$child/status # it has said what it does by USR1, the tenth signal
 kill -USR1 $child || flunk "it has ended already"
 wait $child
 status=$?
@@ -81,7 +81,7 @@ end
 begin "TERM while photons are followed: nothing is written but a checkpoint with these"
 kept_scene
 sed -i -e 's/samples = 200/samples = 1000000  caustics = on/' kept.mns
-run_until 1.5 TERM render kept.mns -o a.exr --size 640x480 --checkpoint 5m
+run_till "$following" TERM render kept.mns -o a.exr --size 640x480 --checkpoint 5m
 exits 143
 there a.checkpoint.exr
 gone a.exr
@@ -92,7 +92,7 @@ end
 begin "TERM before there is a picture: what was promised is taken back, where all is quiet as well"
 kept_scene
 sed -i -e 's/samples = 200/samples = 1000000  caustics = on/' kept.mns
-run_until 1.5 TERM render kept.mns -o a.exr --size 640x480 -q
+run_until 3 TERM render kept.mns -o a.exr --size 640x480 -q
 exits 143
 gone a.exr
 says err "stopped before the first sample: nothing was written"
@@ -102,9 +102,9 @@ begin "checkpoints that cannot be written: the first is told of, and then ever f
 kept_scene
 sed -i -e 's/samples = 200/samples = 1000000/' kept.mns
 mkdir there
-"$program" render kept.mns -o there/a.exr --caustics off --checkpoint 1s -t 7s --progress none 2> err &
+"$program" render kept.mns -o there/a.exr --caustics off --checkpoint 1s -t 9s --progress none 2> err &
 child=$!
-sleep 0.5
+await [ -s there/a.checkpoint.exr ]
 mv there elsewhere
 wait $child
 told=$(grep -c "the render goes on without this checkpoint" err)
