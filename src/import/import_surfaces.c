@@ -23,8 +23,8 @@ static bool has_picture(const MeshMaterial *said, MaterialPicture picture)
 
 /* ---- parts ---- */
 
-/* A number that may be a picture: one channel of it, times the number. Nothing where it is what it is anyway. */
-static void add_fraction(NodeText *node, const MeshMaterial *said, const char *key, double value,
+/* A number that may be a picture: one channel of it, times the number. Nothing where it is what it is anyway. Returns whether it is one. */
+static bool add_fraction(NodeText *node, const MeshMaterial *said, const char *key, double value,
                          MaterialPicture picture, const char *channel, double anyway)
 {
     Importer *im = node->im;
@@ -40,10 +40,11 @@ static void add_fraction(NodeText *node, const MeshMaterial *said, const char *k
         if (image) {
             node_word(node, key, image);
             free(image);
-            return;
+            return true;
         }
     }
     if (value != anyway) node_number(node, key, value);
+    return false;
 }
 
 /* The colour, or its picture. */
@@ -125,12 +126,13 @@ static void add_skin(NodeText *node, const MeshMaterial *said, bool metal)
     }
 }
 
-/* all_clear: a pane, nothing of which is opaque. */
-static void add_layers(NodeText *node, const MeshMaterial *said, bool all_clear)
+/* lets_all_through: nothing of it is opaque. */
+static void add_layers(NodeText *node, const MeshMaterial *said, bool lets_all_through)
 {
     double coat = import_fraction(said, FACT_COAT), sheen = largest(said->facts[FACT_SHEEN_COLOR]);
-    if (coat > 0 && all_clear) {
-        import_note(node->im, "a coat is over what is opaque, and this is all clear: its coat is not taken");
+    if (coat > 0 && lets_all_through) {
+        import_note(node->im,
+                    "a coat is over what is opaque, and all of this is clear or translucent: its coat is not taken");
     } else if (coat > 0) {
         add_fraction(node, said, "coat", import_fraction(said, FACT_COAT), PICTURE_COAT, "red", 0);
         add_fraction(node, said, "coat_roughness", import_fraction(said, FACT_COAT_ROUGHNESS), PICTURE_COAT_ROUGHNESS,
@@ -263,24 +265,29 @@ void import_note_filled(Importer *im, const MeshMaterial *said)
 
 /* ---- surfaces ---- */
 
-/* A pane, which light goes through, or a leaf. */
-static void add_thin(NodeText *node, const MeshMaterial *said)
+/* A pane, which light goes through, or a leaf. Returns whether nothing of it is opaque. */
+static bool add_thin(NodeText *node, const MeshMaterial *said)
 {
+    const double whole = 0.9999; /* is written as 1 beyond that */
+    bool lets_all_through = false;
     double tint[3], translucency = import_fraction(said, FACT_TRANSLUCENCY), clear = import_transmission(said);
     fractions(said->facts[FACT_FILTER], tint);
     node_word(node, "thin", "true");
     if (clear < 1) add_albedo(node, said, "albedo");
     if (clear > 0) {
         node_number(node, "ior", import_index(said));
-        add_fraction(node, said, "transmission", import_transmission(said), PICTURE_TRANSMISSION, "red", 0);
+        lets_all_through =
+            !add_fraction(node, said, "transmission", clear, PICTURE_TRANSMISSION, "red", 0) && clear > whole;
         if (tint[0] < 1 || tint[1] < 1 || tint[2] < 1) node_color(node, "tint", tint);
         add_fraction(node, said, "roughness", import_fraction(said, FACT_ROUGHNESS), PICTURE_ROUGHNESS,
                      said->packed ? "green" : NULL, 0);
     }
-    if (translucency > 0)
-        add_fraction(node, said, "translucency", import_fraction(said, FACT_TRANSLUCENCY), PICTURE_TRANSLUCENCY,
-                     "alpha", 0);
+    if (translucency > 0) {
+        bool varies = add_fraction(node, said, "translucency", translucency, PICTURE_TRANSLUCENCY, "alpha", 0);
+        lets_all_through = lets_all_through || (!varies && translucency > whole);
+    }
     if (import_fraction(said, FACT_FILM) > 0 && clear > 0) add_film(node, said, false);
+    return lets_all_through;
 }
 
 static void add_opaque(NodeText *node, const MeshMaterial *said)
@@ -310,12 +317,10 @@ static void add_cover(NodeText *node, const ImportMaterial *material)
         node_color(node, "albedo", black);
         return;
     }
-    if (thin)
-        add_thin(node, said);
-    else
-        add_opaque(node, said);
+    bool lets_all_through = thin && add_thin(node, said);
+    if (!thin) add_opaque(node, said);
     add_relief(node, said);
-    add_layers(node, said, thin && import_transmission(said) > 0.9999 && !has_picture(said, PICTURE_TRANSMISSION));
+    add_layers(node, said, lets_all_through);
     note_left_out(node->im, said, thin ? material->clear : metal_has_film(said));
 }
 
