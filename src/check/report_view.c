@@ -15,7 +15,8 @@ static bool is_out_of_view(const SceneCamera *camera, const SceneFilm *film, Box
     for (int corner = 0; corner < 8; corner++) {
         Vec3 way = vec3_sub(box3_corner(box, corner), camera->from);
         double depth = vec3_dot(way, camera->forward), reach = flat ? 1 : depth;
-        double across = vec3_dot(way, camera->right), up = vec3_dot(way, camera->up);
+        double across = vec3_dot(way, camera->right) - camera->shift[0] * depth,
+               up = vec3_dot(way, camera->up) - camera->shift[1] * depth;
         n_beyond[0] += depth <= 0;
         n_beyond[1] += across > sides[0] * reach;
         n_beyond[2] += -across > sides[0] * reach;

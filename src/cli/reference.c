@@ -30,6 +30,7 @@ static const char *kind_text(PropKind kind)
         [PROP_NUMBERS] = "list of numbers",
         [PROP_VECTORS2] = "list of vectors of 2",
         [PROP_VECTORS3] = "list of vectors of 3",
+        [PROP_VECTOR3_OR_LIST] = "vector of 3, or list of such",
         [PROP_NUMBER_LISTS] = "list of lists of numbers",
         [PROP_VECTOR2_LISTS] = "list of vectors of 2, or list of such lists",
         [PROP_FUNCTION] = "name of a function",

@@ -389,7 +389,8 @@ static void print_prop_value(Flat *flat, const EvalProp *prop)
     case PROP_NODE: print_reference(flat, prop->as.node); break;
     case PROP_NUMBERS: print_numbers(flat, prop->as.list.numbers, prop->as.list.n, VALUE_NUMBER); break;
     case PROP_VECTORS2: print_numbers(flat, prop->as.list.numbers, prop->as.list.n, VALUE_VECTOR2); break;
-    case PROP_VECTORS3: print_numbers(flat, prop->as.list.numbers, prop->as.list.n, VALUE_VECTOR3); break;
+    case PROP_VECTORS3:
+    case PROP_VECTOR3_OR_LIST: print_numbers(flat, prop->as.list.numbers, prop->as.list.n, VALUE_VECTOR3); break;
     case PROP_FUNCTION:
         name = flat_function(&flat->functions, prop->as.function); /* written before, by declare_functions */
         buf_add(out, name ? name : "none");

@@ -161,6 +161,7 @@ static const char *plain_kind_text(Arena *arena, const PropType *type)
     case PROP_NUMBERS: return "a list of numbers";
     case PROP_VECTORS2: return "a list of vectors of 2";
     case PROP_VECTORS3: return "a list of vectors of 3";
+    case PROP_VECTOR3_OR_LIST: return "a vector of 3, or a list of such";
     case PROP_NUMBER_LISTS: return "a list of lists of numbers";
     case PROP_VECTOR2_LISTS: return "a list of vectors of 2, or a list of such lists";
     case PROP_FUNCTION: return "the name of a function, declared as def f(p) = ...";
@@ -300,6 +301,17 @@ static void hint_text(const Check *check, const char *text, Diagnostic *report)
                   check->type->flags & PROP_TEXTURE ? "; a picture is image { file = \"...\" }" : "");
 }
 
+static bool is_vector3(PropKind kind)
+{
+    return kind == PROP_VECTOR3 || kind == PROP_VECTOR3_OR_LIST;
+}
+
+/* Alone, or in a list. */
+static bool takes_vector3(PropKind kind)
+{
+    return is_vector3(kind) || kind == PROP_VECTORS3;
+}
+
 /* Some numbers as a vector or a colour. */
 static void hint_numbers(const Check *check, const Value *value, Diagnostic *report)
 {
@@ -316,11 +328,10 @@ static void hint_numbers(const Check *check, const Value *value, Diagnostic *rep
                   v[2], v[1], v[0]);
     if (!list && value->kind != VALUE_VECTOR3) return;
     if (is_color_kind(kind) && n == 3) diag_hint(diag, report, "write: rgb(%g, %g, %g)", v[0], v[1], v[2]);
-    if (kind == PROP_VECTOR3 && n == 3) diag_hint(diag, report, "write: <%g, %g, %g>", v[0], v[1], v[2]);
+    if (takes_vector3(kind) && n == 3) diag_hint(diag, report, "write: <%g, %g, %g>", v[0], v[1], v[2]);
     if (kind == PROP_VECTOR2 && n == 2) diag_hint(diag, report, "write: <%g, %g>", v[0], v[1]);
     if (kind == PROP_RAMP && n == 3) diag_hint(diag, report, "write: rgb(%g, %g, %g)", v[0], v[1], v[2]);
     if (kind == PROP_VECTORS2 && (!list || n == 2)) diag_hint(diag, report, "write: <%g, %g>", v[0], v[1]);
-    if (kind == PROP_VECTORS3 && n == 3) diag_hint(diag, report, "write: <%g, %g, %g>", v[0], v[1], v[2]);
 }
 
 /* A colour where a number says how bright something of another property's colour is. */
@@ -362,8 +373,8 @@ static void hint_form(const Check *check, const Value *value, Diagnostic *report
         const char *choice = habit_choice(check->type->name, value->as.truth ? "yes" : "no");
         if (choice && choice_allows(check->type->choices, choice)) diag_hint(diag, report, "write: %s", choice);
     }
-    if (kind == PROP_VECTOR3 && number && eval_hint_at_axis(check->evaluator, report, check->expr)) return;
-    if (kind == PROP_VECTOR3 && number) hint_measure(check, UNIT_NONE, report);
+    if (is_vector3(kind) && number && eval_hint_at_axis(check->evaluator, report, check->expr)) return;
+    if (is_vector3(kind) && number) hint_measure(check, UNIT_NONE, report);
     if (kind == PROP_NUMBER) hint_brightness(check, value, report);
     if (kind == PROP_TERM && number) hint_term(check, value->as.number, report);
     if ((kind == PROP_TERM || kind == PROP_NUMBER_OR_TERM) && value->kind == VALUE_NODE &&
@@ -371,20 +382,20 @@ static void hint_form(const Check *check, const Value *value, Diagnostic *report
         diag_hint(diag, report, "an object takes a whole medium: interior = %s",
                   eval_written(check->evaluator, check->expr->span, 40, "\n{", "NAME"));
     if (report->hint) return;
-    if ((kind == PROP_VECTOR3 || kind == PROP_VECTOR2) && number) {
-        const char *axes = kind == PROP_VECTOR3 ? "<x, y, z>" : "<x, y>";
-        diag_hint(diag, report, "write: %s, or vec%d(%g) for the same of each", axes, kind == PROP_VECTOR3 ? 3 : 2,
+    if ((is_vector3(kind) || kind == PROP_VECTOR2) && number) {
+        const char *axes = is_vector3(kind) ? "<x, y, z>" : "<x, y>";
+        diag_hint(diag, report, "write: %s, or vec%d(%g) for the same of each", axes, is_vector3(kind) ? 3 : 2,
                   value->as.number);
         return;
     }
     if (kind == PROP_INTEGER && value->kind == VALUE_RANGE)
         diag_hint(diag, report, "write: %zu, as many as these are", value_count(value));
-    if (kind == PROP_VECTOR3 && value->kind == VALUE_NODE && value->as.node->type->flags & NODE_PLACED)
+    if (is_vector3(kind) && value->kind == VALUE_NODE && value->as.node->type->flags & NODE_PLACED)
         diag_hint(diag, report, "write: bounds(%s).center, the middle of it",
                   eval_written(check->evaluator, check->expr->span, 32, "\n{", "NODE"));
     hint_numbers(check, value, report);
     if (report->hint) return;
-    if ((kind == PROP_VECTOR3 || kind == PROP_VECTORS3) && parts) diag_hint(diag, report, "write: <x, y, z>");
+    if (takes_vector3(kind) && parts) diag_hint(diag, report, "write: <x, y, z>");
     if ((kind == PROP_VECTOR2 || kind == PROP_VECTORS2) && parts) diag_hint(diag, report, "write: <x, y>");
     if (kind == PROP_NODE)
         hint_node(check, value, report);
@@ -625,7 +636,8 @@ static bool check_number_list(const Check *check, const Value *value, EvalProp *
     Check element = *check;
     unsigned width = list_width(check->type->kind);
     ValueKind wanted = width == 1 ? VALUE_NUMBER : value_vector_kind(width);
-    bool single = width == 1 && value->kind == VALUE_NUMBER; /* as good as a list of one */
+    bool single =
+        value->kind == wanted && (width == 1 || check->type->kind == PROP_VECTOR3_OR_LIST); /* a list of one */
     if (!single && value->kind != VALUE_LIST && value->kind != VALUE_RANGE) return wrong_type(check, value);
     size_t n = single ? 1 : value_count(value);
     if (value->kind == VALUE_LIST && value->as.list->element == wanted) {
@@ -816,7 +828,8 @@ static bool check_value(const Check *check, const Value *value, EvalProp *prop)
         return true;
     case PROP_NUMBERS:
     case PROP_VECTORS2:
-    case PROP_VECTORS3: return check_number_list(check, value, prop);
+    case PROP_VECTORS3:
+    case PROP_VECTOR3_OR_LIST: return check_number_list(check, value, prop);
     case PROP_NUMBER_LISTS:
     case PROP_VECTOR2_LISTS: return check_number_lists(check, value, prop);
     case PROP_FUNCTION: return wrong_type(check, value);

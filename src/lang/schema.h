@@ -25,6 +25,7 @@ typedef enum PropKind {
     PROP_NUMBERS, /* lists of these */
     PROP_VECTORS2,
     PROP_VECTORS3,
+    PROP_VECTOR3_OR_LIST, /* one is as good as a list of one */
     PROP_NUMBER_LISTS,  /* a list of lists of numbers */
     PROP_VECTOR2_LISTS, /* a list of vectors, or a list of such lists */
     PROP_STRINGS,       /* or bare words, when `choices` lists them */

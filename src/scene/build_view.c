@@ -21,6 +21,42 @@ static void expectation(Builder *b, const EvalNode *node, SceneCamera *camera)
     camera->expect_span = prop->span;
 }
 
+/* Turns the film upright, and moves it so that what the camera looks at stays in the middle, as large as it was. */
+static bool stand_upright(Builder *b, const EvalNode *node, Vec3 along, Vec3 vertical, SceneCamera *camera)
+{
+    const double steepest = 80;
+    double distance = vec3_length(along);
+    Vec3 level = vec3_cross(vertical, camera->right);
+    double depth = vec3_dot(along, level), angle = acos(double_min(depth / distance, 1)) / MEN_DEGREE;
+    if (!(angle <= steepest)) {
+        Diagnostic *report = diag_report(b->diag, D_VALUE_OUT_OF_RANGE, build_span(node, "upright"),
+                                         "an upright camera that looks %.3g degrees up or down: beyond %g all "
+                                         "would be drawn out",
+                                         angle, steepest);
+        diag_hint(b->diag, report, "bring the heights of 'from' and 'to' nearer, or leave 'upright' out");
+        return false;
+    }
+    camera->up = vertical;
+    camera->forward = level;
+    camera->shift[1] = vec3_dot(along, vertical) / depth;
+    camera->half_width *= distance / depth;
+    camera->focus[2] = 1 / depth;
+    return true;
+}
+
+/* Moves the picture: of parallel lines of sight, where they start. */
+static void shift(const EvalNode *node, SceneCamera *camera)
+{
+    Vec3 parts = eval_vector(node, "shift");
+    double right = parts.x * 2 * camera->half_width, up = parts.y * 2 * camera->half_width;
+    if (camera->projection == PROJECTION_ORTHOGRAPHIC) {
+        camera->from = vec3_along(vec3_along(camera->from, right, camera->right), up, camera->up);
+        return;
+    }
+    camera->shift[0] += right;
+    camera->shift[1] += up;
+}
+
 /* The three axes. Right is forward x up: space is right-handed, as in mesh files. */
 static bool orient(Builder *b, const EvalNode *node, const Affine *to_world, SceneCamera *camera)
 {
@@ -34,7 +70,7 @@ static bool orient(Builder *b, const EvalNode *node, const Affine *to_world, Sce
         return false;
     }
     camera->forward = vec3_scale(along, 1 / distance);
-    camera->focus_distance = distance;
+    camera->focus[2] = 1 / distance;
     Vec3 right = vec3_cross(camera->forward, up);
     const double parallel = 1e-9;
     if (!(vec3_length(right) > parallel * vec3_length(up))) {
@@ -48,18 +84,55 @@ static bool orient(Builder *b, const EvalNode *node, const Affine *to_world, Sce
     }
     camera->right = vec3_normalize(right);
     camera->up = vec3_cross(camera->right, camera->forward);
+    return !eval_truth(node, "upright") || stand_upright(b, node, along, vec3_normalize(up), camera);
+}
+
+/* The plane through points, which are measured along the camera's axes: of one, facing it; of two, level with the picture; of three. */
+static bool focus_on_plane(const Vec3 *points, size_t n, SceneCamera *camera)
+{
+    Vec3 normal = vec3(0, 0, 1);
+    if (n > 1) {
+        Vec3 one = vec3_sub(points[1], points[0]), other = n == 3 ? vec3_sub(points[2], points[0]) : vec3(1, 0, 0);
+        normal = vec3_cross(one, other);
+        if (!(vec3_length(normal) > 1e-9 * vec3_length(one) * vec3_length(other))) return false;
+    }
+    double offset = vec3_dot(normal, points[0]);
+    bool edge_on = fabs(offset) <= 1e-9 * vec3_length(normal) * vec3_length(points[0]);
+    bool never_met = camera->projection == PROJECTION_ORTHOGRAPHIC && fabs(normal.z) <= 1e-9 * vec3_length(normal);
+    if (edge_on || never_met) return false;
+    camera->focus[0] = normal.x / offset;
+    camera->focus[1] = normal.y / offset;
+    camera->focus[2] = normal.z / offset;
     return true;
 }
 
 static bool focus(Builder *b, const EvalNode *node, const Affine *to_world, SceneCamera *camera)
 {
+    enum { MOST = 3 };
     const EvalProp *prop = eval_prop(node, "focus");
     if (!prop) return true;
     build_needs_other(b, node, "focus", "aperture", "without an aperture");
-    Vec3 point = affine_point(to_world, vec3(prop->as.vector[0], prop->as.vector[1], prop->as.vector[2]));
-    camera->focus_distance = vec3_dot(vec3_sub(point, camera->from), camera->forward);
-    if (camera->focus_distance > 0) return true;
-    diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop->span, "the camera cannot focus on a point behind it");
+    size_t n = prop->as.list.n;
+    if (n == 0 || n > MOST) {
+        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop->span,
+                    "the camera focuses on one point, or on the plane through two or three, not %zu", n);
+        return false;
+    }
+    Vec3 points[MOST];
+    for (size_t i = 0; i < n; i++) {
+        const double *v = prop->as.list.numbers + 3 * i;
+        Vec3 away = vec3_sub(affine_point(to_world, vec3(v[0], v[1], v[2])), camera->from);
+        points[i] = vec3(vec3_dot(away, camera->right), vec3_dot(away, camera->up), vec3_dot(away, camera->forward));
+        if (points[i].z > 0) continue;
+        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop->span, "the camera cannot focus on a point behind it");
+        return false;
+    }
+    if (focus_on_plane(points, n, camera)) return true;
+    Diagnostic *report =
+        diag_report(b->diag, D_DEGENERATE_SHAPE, prop->span, "no plane that the camera sees goes through these points");
+    diag_hint(b->diag, report,
+              n == 2 ? "of two, one is behind or above the other, and they are not in one line of sight"
+                     : "they are not all in one line, nor in one plane with the camera: focus = [front, back, top]");
     return false;
 }
 
@@ -162,6 +235,7 @@ static bool measure_angle(Builder *b, const EvalNode *node, SceneCamera *camera)
         has_no_use(b, node, "aperture", camera);
         return false;
     }
+    if (!perspective) has_no_use(b, node, "shift", camera);
     if (!perspective || fov < 180) return true;
     report = diag_report(b->diag, D_VALUE_OUT_OF_RANGE, build_span(node, "fov"),
                          "fov %g is not greater than 0 and less than 180", fov);
@@ -192,7 +266,11 @@ void build_camera(Builder *b, const EvalNode *node, const Affine *to_world)
     camera.lens_radius = eval_number(node, "aperture") / 2 * scale;
     if (!measure_picture(b, node, scale, &camera)) return;
     if (!build_check_reach(b, from->span, "the camera", box3_add_point(box3_empty(), camera.from))) return;
-    if (!orient(b, node, to_world, &camera) || !focus(b, node, to_world, &camera)) return;
+    if (camera.projection != PROJECTION_PERSPECTIVE && eval_truth(node, "upright"))
+        has_no_use(b, node, "upright", &camera);
+    if (!orient(b, node, to_world, &camera)) return;
+    shift(node, &camera);
+    if (!focus(b, node, to_world, &camera)) return;
     iris(b, node, &camera);
     if (!(camera.lens_reach <= SCENE_REACH)) {
         diag_report(b->diag, D_VALUE_OUT_OF_RANGE, build_span(node, "aperture"), "an aperture of %g is too large",

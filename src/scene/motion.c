@@ -163,12 +163,14 @@ static void move_cameras(Finder *f)
                 keys[later].up = then->up;
                 keys[later].forward = then->forward;
                 keys[later].half_width = then->half_width;
-                keys[later].focus_distance = then->focus_distance;
+                memcpy(keys[later].shift, then->shift, sizeof then->shift);
+                memcpy(keys[later].focus, then->focus, sizeof then->focus);
             }
             if (memcmp(&then->from, &camera->from, sizeof camera->from) != 0 ||
                 memcmp(&then->forward, &camera->forward, sizeof camera->forward) != 0 ||
                 memcmp(&then->up, &camera->up, sizeof camera->up) != 0 || then->half_width != camera->half_width ||
-                then->focus_distance != camera->focus_distance)
+                memcmp(then->shift, camera->shift, sizeof then->shift) != 0 ||
+                memcmp(then->focus, camera->focus, sizeof then->focus) != 0)
                 camera->keys = keys;
         }
     }

@@ -214,7 +214,8 @@ SceneCamera scene_camera_at(const Scene *scene, const SceneCamera *camera, doubl
     at.right = vec3_normalize(vec3_along(at.right, -vec3_dot(at.right, at.forward), at.forward));
     at.up = vec3_cross(at.right, at.forward);
     at.half_width = from->half_width * (1 - part) + to->half_width * part;
-    at.focus_distance = from->focus_distance * (1 - part) + to->focus_distance * part;
+    for (int i = 0; i < 2; i++) at.shift[i] = from->shift[i] * (1 - part) + to->shift[i] * part;
+    for (int i = 0; i < 3; i++) at.focus[i] = from->focus[i] * (1 - part) + to->focus[i] * part;
     return at;
 }
 

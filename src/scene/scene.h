@@ -202,11 +202,14 @@ typedef struct SceneCamera {
     Vec3 from;
     Vec3 right, up, forward; /* orthonormal */
     SceneProjection projection;
-    double half_width;  /* of the picture: perspective, at distance 1; orthographic, a length; others, radians */
+    double half_width; /* of the picture: perspective, at distance 1; orthographic, a length; others, radians */
+    double shift[2];   /* of perspective: where at distance 1 the picture's middle is, to the right and up */
     double lens_radius; /* 0: pinhole; of a disc as large as the iris, where there is one */
     double lens_reach;  /* how far its points are from its middle: the same for a disc */
     SceneIris iris;
-    double focus_distance;  /* along forward */
+    /* the plane that is sharp: of its places, by how far from the camera's they are to the right, up and forward, the products with
+     * these add up to 1 */
+    double focus[3];
     const uint32_t *expect; /* media, outermost first, that the camera must be inside of; NULL: not stated */
     uint32_t n_expect;
     Span expect_span;

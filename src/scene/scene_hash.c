@@ -382,7 +382,8 @@ static void add_camera(Hasher *h, const SceneCamera *camera)
     if (camera->projection != PROJECTION_PERSPECTIVE) add_integer(h, camera->projection);
     add_number(h, camera->half_width);
     add_number(h, camera->lens_radius);
-    if (camera->lens_radius > 0) add_number(h, camera->focus_distance);
+    for (int i = 0; i < 2; i++) add_number(h, camera->shift[i]);
+    for (int i = 0; i < 3 && camera->lens_radius > 0; i++) add_number(h, camera->focus[i]);
     if (camera->iris.blades > 0) {
         add_integer(h, camera->iris.blades);
         add_number(h, camera->iris.rotation);

@@ -29,10 +29,20 @@ static bool look_aside(const SceneCamera *camera, double right, double up, Vec3 
     return true;
 }
 
+/* 1 / how many times a line of sight's direction it is to the plane that is sharp. A lens through whose middle light goes straight
+ * shows planes as planes (Scheimpflug's rule), and what would be sharp behind it is a point that rays come apart from: so this may be
+ * 0 and less. Deviation: the lens stays parallel to the film, however that plane lies. */
+static double nearness_of_focus(const SceneCamera *camera, double x, double y)
+{
+    double across = camera->focus[0] * x + camera->focus[1] * y, along = camera->focus[2];
+    return camera->projection == PROJECTION_ORTHOGRAPHIC ? along / (1 - across) : along + across;
+}
+
 bool camera_ray(const SceneCamera *camera, FilmPoint point, const float lens[2], Ray *ray, Footprint *footprint)
 {
     double pixel = 2 * camera->half_width / (double)point.width; /* its side: at distance 1, a length, or an angle */
-    double x = (point.x - 0.5 * (double)point.width) * pixel, y = (0.5 * (double)point.height - point.y) * pixel;
+    double x = (point.x - 0.5 * (double)point.width) * pixel + camera->shift[0],
+           y = (0.5 * (double)point.height - point.y) * pixel + camera->shift[1];
     float half = (float)(camera->half_width / point.width);
     Vec3 origin = camera->from, direction = vec3_along(vec3_along(camera->forward, x, camera->right), y, camera->up);
     *footprint = (Footprint){.spread = half};
@@ -54,10 +64,10 @@ bool camera_ray(const SceneCamera *camera, FilmPoint point, const float lens[2],
             sampling_polygon(lens[0], lens[1], camera->iris.corners, camera->iris.n_corners, &lens_x, &lens_y);
         else
             sampling_disc(lens[0], lens[1], &lens_x, &lens_y);
-        Vec3 focus = vec3_along(origin, camera->focus_distance, direction);
-        origin = vec3_along(origin, (double)lens_x * camera->lens_radius, camera->right);
-        origin = vec3_along(origin, (double)lens_y * camera->lens_radius, camera->up);
-        direction = vec3_sub(focus, origin);
+        Vec3 lens_place = vec3_along(vec3_scale(camera->right, (double)lens_x * camera->lens_radius),
+                                     (double)lens_y * camera->lens_radius, camera->up);
+        origin = vec3_add(origin, lens_place);
+        direction = vec3_along(direction, -nearness_of_focus(camera, x, y), lens_place);
     }
     *ray = ray_make(origin, vec3f_from(vec3_normalize(direction)));
     return true;
@@ -73,7 +83,8 @@ bool camera_pixel(const SceneCamera *camera, Vec3 place, uint32_t width, uint32_
     else if (camera->projection != PROJECTION_PERSPECTIVE || !(ahead > 0))
         return false;
     double pixel = 2 * camera->half_width / width;
-    double column = right / (ahead * pixel) + 0.5 * width, row = 0.5 * height - up / (ahead * pixel);
+    double column = (right / ahead - camera->shift[0]) / pixel + 0.5 * width,
+           row = 0.5 * height - (up / ahead - camera->shift[1]) / pixel;
     if (!(column >= 0 && column < width && row >= 0 && row < height)) return false;
     *x = (uint32_t)column;
     *y = (uint32_t)row;

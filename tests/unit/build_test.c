@@ -650,7 +650,9 @@ static void cameras_look_where_they_should(void **state)
     assert_vector(c[0].forward, 0, 0, -1);
     assert_near(c[0].half_width, 1, 1e-12);
     assert_near(c[0].lens_radius, 1, 1e-12);
-    assert_near(c[0].focus_distance, 4, 1e-12);
+    assert_near(c[0].focus[0], 0, 0);
+    assert_near(c[0].focus[1], 0, 0);
+    assert_near(c[0].focus[2], 0.25, 1e-12);
     assert_vector(c[1].forward, 0, -1, 0);
     assert_vector(c[1].right, 1, 0, 0);
     assert_non_null(c[1].expect);
@@ -659,7 +661,7 @@ static void cameras_look_where_they_should(void **state)
     assert_string_equal(f.scene->media[c[2].expect[0]].name, "water");
     assert_null(c[0].expect);
     assert_vector(c[3].from, 1, 0, 5);
-    assert_near(c[3].focus_distance, 5, 1e-12);
+    assert_near(c[3].focus[2], 0.2, 1e-12);
     fixture_clear(&f);
     REFUSED("camera { from = <1, 1, 1> to = <1, 1, 1> }", D_DEGENERATE_SHAPE);
     REFUSED("camera { from = <0, 1, 0> up = <0, 1, 0> }", D_DEGENERATE_SHAPE);
@@ -667,6 +669,18 @@ static void cameras_look_where_they_should(void **state)
     REFUSED("camera { from = <0, 1, 0> aperture = 1 focus = <0, 2, 0> }", D_VALUE_OUT_OF_RANGE);
     REFUSED("camera { from = <0, 1, 0> focus = <0, 0, 0> }", D_CONFLICTING_PROPERTIES);
     REFUSED("camera { to = <0, 1, 0> }", D_MISSING_PROPERTY);
+    REFUSED("camera { from = <0, 6, 1> upright = true }", D_VALUE_OUT_OF_RANGE);
+    REFUSED("camera { from = <0, 6, 0> upright = true }", D_VALUE_OUT_OF_RANGE);
+    REFUSED("camera { from = <0, 1, 0> projection = fisheye upright = true }", D_CONFLICTING_PROPERTIES);
+    REFUSED("camera { from = <0, 1, 0> projection = panorama shift = <0, .1> }", D_CONFLICTING_PROPERTIES);
+    REFUSED("camera { from = <0, 0, 9> aperture = 1 focus = [] }", D_VALUE_OUT_OF_RANGE);
+    REFUSED("camera { from = <0, 0, 9> aperture = 1 focus = [0 * x, x, y, z] }", D_VALUE_OUT_OF_RANGE);
+    REFUSED("camera { from = <0, 0, 9> aperture = 1 focus = [0 * x, 10 * z] }", D_VALUE_OUT_OF_RANGE);
+    REFUSED("camera { from = <0, 0, 9> aperture = 1 focus = [0 * x, x] }", D_DEGENERATE_SHAPE);      /* across anyway */
+    REFUSED("camera { from = <0, 0, 9> aperture = 1 focus = [-1 * z, z] }", D_DEGENERATE_SHAPE); /* seen edge-on */
+    REFUSED("camera { from = <0, 0, 9> aperture = 1 focus = [0 * x, x + y, 2 * (x + y)] }", D_DEGENERATE_SHAPE);
+    REFUSED("camera { from = <0, 0, 9> projection = orthographic width = 4 aperture = 1 focus = [x, x + y, x + z] }",
+            D_DEGENERATE_SHAPE);
     fixture_refused(M "sphere { interior = glass } environment { }", D_NO_CAMERA);
     fixture_refused("meniscus 1.0 unit mm camera { from = <0, 0, 1> }", D_NOTHING_TO_RENDER);
     fixture_text(&f, "meniscus 1.0 unit mm camera { from = <0, 0, 1> } ground { y = -1 }");

@@ -149,6 +149,102 @@ static void orthographic_with_a_lens(void **state)
     fixture_clear(&view.fixture);
 }
 
+/* A place is seen there, in pixels: both ways. */
+static void expect_pixel(const View *view, Vec3 place, double column, double row)
+{
+    Ray ray;
+    Footprint footprint;
+    look(view, column, row, &ray, &footprint);
+    Vec3 way = vec3_sub(place, ray.origin);
+    expect_vector(place, ray_point(&ray, vec3_dot(way, vec3_from_f(ray.direction))), 1e-6 * vec3_length(way));
+    uint32_t x, y;
+    assert_true(camera_pixel(&view->camera, place, WIDTH, HEIGHT, &x, &y));
+    assert_int_equal(x, (uint32_t)(column + 1e-9));
+    assert_int_equal(y, (uint32_t)(row + 1e-9));
+}
+
+/* What is seen moves by parts of the picture's width, where lines of sight are parallel as well as where they are not. */
+static void shifted(void **state)
+{
+    (void)state;
+    View view;
+    Vec3 place = vec3(1, -2, 5);
+    open_view(&view, "from = <0, 0, 10>  fov = 90");
+    expect_pixel(&view, place, 24, 23);
+    fixture_clear(&view.fixture);
+    open_view(&view, "from = <0, 0, 10>  fov = 90  shift = <.1, -.25>");
+    expect_pixel(&view, place, 20, 13);
+    fixture_clear(&view.fixture);
+    open_view(&view, "from = <0, 0, 10>  projection = orthographic  width = 10");
+    expect_pixel(&view, place, 24, 23);
+    fixture_clear(&view.fixture);
+    open_view(&view, "from = <0, 0, 10>  projection = orthographic  width = 10  shift = <.1, -.25>");
+    expect_pixel(&view, place, 20, 13);
+    fixture_clear(&view.fixture);
+}
+
+/* What is upright stays in its column, and what is looked at in the middle; its row is as wide as without. */
+static void upright(void **state)
+{
+    (void)state;
+    View view;
+    Ray middle, edge;
+    Footprint footprint;
+    open_view(&view, "from = <0, 8, 10>  to = <0, 2, 0>  fov = 90  upright = true");
+    expect_pixel(&view, vec3(0, 2, 0), 20, 15);
+    double pixels = 20 / sqrt(1.36); /* of a length at distance 1 */
+    for (double y = -3; y <= 6; y++) expect_pixel(&view, vec3(3, y, 0), 20 + 0.3 * pixels, 15 - (y - 2) / 10 * pixels);
+    look(&view, 20, 15, &middle, &footprint);
+    look(&view, 40, 15, &edge, &footprint);
+    double cosine = vec3_dot(vec3_from_f(middle.direction), vec3_from_f(edge.direction));
+    assert_near(cosine, sqrt(0.5), 1e-6);
+    fixture_clear(&view.fixture);
+}
+
+/* All rays of a place of the film meet the plane that is sharp where the one through the lens's middle does, also where that is behind
+ * the camera: then they come apart from there. */
+static void expect_sharp(const View *view, double x, double y, Vec3 normal, double offset)
+{
+    Ray straight, ray;
+    Footprint footprint;
+    look(view, x, y, &straight, &footprint);
+    for (int i = 0; i < 16; i++) {
+        const float lens[2] = {(float)i / 16, (float)(i * 7 % 16) / 16};
+        assert_true(camera_ray(&view->camera, (FilmPoint){x, y, WIDTH, HEIGHT}, lens, &ray, &footprint));
+        double steep = vec3_dot(vec3_from_f(ray.direction), normal),
+               steep_straight = vec3_dot(vec3_from_f(straight.direction), normal);
+        assert_true(vec3_dot(vec3_from_f(ray.direction), view->camera.forward) > 0);
+        Vec3 sharp = ray_point(&ray, (offset - vec3_dot(ray.origin, normal)) / steep);
+        Vec3 expected = ray_point(&straight, (offset - vec3_dot(straight.origin, normal)) / steep_straight);
+        expect_vector(expected, sharp, 1e-5 * (vec3_length(expected) + 10) / fabs(steep));
+    }
+}
+
+static void tilted_lens(void **state)
+{
+    (void)state;
+    View view;
+    Ray ray, other;
+    Footprint footprint;
+    open_view(
+        &view,
+        "from = <0, 5, 10>  to = <0, 5, 0>  fov = 90  aperture = 2  focus = [<0, 0, 5>, <3, 0, -20>, <-1, 0, 2>]");
+    for (int row = 0; row <= 30; row += 5)
+        if (row != 15) expect_sharp(&view, 7, row, vec3(0, 1, 0), 0);
+    look(&view, 7, 15, &ray, &footprint); /* the plane's horizon */
+    const float lens[2] = {0.9f, 0.2f};
+    assert_true(camera_ray(&view.camera, (FilmPoint){7, 15, WIDTH, HEIGHT}, lens, &other, &footprint));
+    expect_vector(vec3_from_f(ray.direction), vec3_from_f(other.direction), 1e-7);
+    fixture_clear(&view.fixture);
+    open_view(&view, "from = <0, 0, 10>  fov = 40  aperture = 1  focus = [<1, 1, 1>, <4, -3, 0>]");
+    for (int row = 0; row <= 30; row += 5) expect_sharp(&view, 9, row, vec3(0, 1, -4), -3);
+    fixture_clear(&view.fixture);
+    open_view(&view, "from = <0, 0, 10>  projection = orthographic  width = 4  aperture = 1  "
+                     "focus = [<0, 0, 1>, <1, 0, 2>, <0, 1, 4>]");
+    for (int row = 0; row <= 30; row += 5) expect_sharp(&view, 9, row, vec3(1, 3, -1), -1);
+    fixture_clear(&view.fixture);
+}
+
 /* Longitudes to the right and latitudes upwards, of as many degrees for each pixel; the picture goes on around its ends, and over
  * the poles by no more than a filter reaches beyond the film. */
 static void panorama(void **state)
@@ -212,7 +308,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(perspective),  cmocka_unit_test(pixels_of_places),
         cmocka_unit_test(orthographic), cmocka_unit_test(orthographic_with_a_lens),
-        cmocka_unit_test(panorama),     cmocka_unit_test(fisheye),
+        cmocka_unit_test(shifted),      cmocka_unit_test(upright),
+        cmocka_unit_test(tilted_lens),  cmocka_unit_test(panorama),
+        cmocka_unit_test(fisheye),
     };
     return cmocka_run_group_tests_name("camera", tests, NULL, NULL);
 }
