@@ -32,6 +32,10 @@ enum {
     SUM_WAY = SUM_SILENT /* of what is seen behind clear surfaces: a length */
 };
 
+/* The bands of AOV_SPECTRUM: for each of them the sum of radiances, and of their weights. */
+enum { BANDS = 31 };
+static const float first_band_nm = 400, band_step_nm = 10;
+
 enum { RANKS = 6 };
 static const float nothing_met = 1e30f;
 
@@ -49,10 +53,15 @@ static bool has_behind(const AovFilm *film)
     return (film->set & AOV_SET_BEHIND) != 0;
 }
 
-/* How many sums a pixel has: those of what is seen behind clear surfaces follow the others. */
-static size_t sums_of_pixel(const AovFilm *film)
+/* Where a pixel's sums of the spectrum begin, which follow all others: behind those of what is seen behind clear surfaces. */
+static size_t sums_before_spectrum(const AovFilm *film)
 {
     return has_behind(film) ? 2 * AOV_SUMS : AOV_SUMS;
+}
+
+static size_t sums_of_pixel(const AovFilm *film)
+{
+    return sums_before_spectrum(film) + (has(film->set, AOV_SPECTRUM) ? 2 * BANDS : 0);
 }
 
 /* ---- names, hashes, colours ---- */
@@ -238,17 +247,33 @@ static void add_behind(AovFilm *film, size_t pixel, const FirstSight *behind)
         add_to_matte(film, film->tallies[BEHIND_MEDIA], pixel, film->world->scene->media[behind->through].name);
 }
 
-void aov_film_add(AovFilm *film, uint32_t x, uint32_t y, const FirstSight *sight, const FirstSight *behind,
-                  const PathCounters *before, const PathCounters *after)
+/* A mean over a band is one of radiances, each weighted by how much of the spectrum its wavelength stands for: that has far less noise
+ * than what they add up to, as that many samples fall into one band only in the mean. */
+static void add_light(int64_t *sums, const SampleLight *light)
+{
+    for (int i = 0; i < LANES; i++) {
+        int band = (int)floorf((lanes_get(light->wavelengths.nm, i) - first_band_nm) / band_step_nm + 0.5f);
+        if (band < 0 || band >= BANDS) continue;
+        float weight = 1 / (lanes_get(light->wavelengths.pdf, i) * (BANDS * band_step_nm));
+        int64_t *sum = sums + 2 * band;
+        sum[0] = held(sum[0] + whole((double)(lanes_get(light->radiance, i) * weight), FILM_UNIT, 0x1p61));
+        sum[1] = held(sum[1] + whole((double)weight, FILM_UNIT, 0x1p61));
+    }
+}
+
+void aov_film_add(AovFilm *film, uint32_t x, uint32_t y, const Tracer *tracer, const PathCounters *before)
 {
     size_t pixel = (size_t)y * film->width + x;
     int64_t *sums = film->sums + pixel * sums_of_pixel(film);
+    const FirstSight *sight = &tracer->first_sight;
+    const PathCounters *after = &tracer->counters;
     sums[SUM_SILENT] += (int64_t)(after->silent_crossings - before->silent_crossings);
     sums[SUM_FAULTS] += (int64_t)(after->nesting_faults - before->nesting_faults);
-    if (has_behind(film)) add_behind(film, pixel, behind);
-    if (film->guides && behind) {
+    if (has(film->set, AOV_SPECTRUM)) add_light(sums + sums_before_spectrum(film), &tracer->light);
+    if (has_behind(film)) add_behind(film, pixel, &tracer->behind);
+    if (film->guides && tracer->notes_behind) {
         sums[SUM_LOOKS]++;
-        add_floats(sums + SUM_PASSED, behind->passed, 3);
+        add_floats(sums + SUM_PASSED, tracer->behind.passed, 3);
     }
     if (!sight->met) return;
     add_sight(film, sums, sight);
@@ -376,6 +401,22 @@ static float *put_mattes(const AovFilm *aovs, int first, int end, size_t pixel, 
     return out;
 }
 
+/* Of a band without a sample, what is between those beside it that have some; 0 where none has. */
+static float *put_spectrum(const int64_t *sums, float *out)
+{
+    int last = -1; /* with samples */
+    for (int band = 0; band < BANDS; band++) {
+        if (sums[2 * band + 1] <= 0) continue;
+        out[band] = (float)((double)sums[2 * band] / (double)sums[2 * band + 1]);
+        for (int k = last + 1; k < band; k++)
+            out[k] =
+                last < 0 ? out[band] : out[last] + (out[band] - out[last]) * (float)(k - last) / (float)(band - last);
+        last = band;
+    }
+    for (int k = last + 1; k < BANDS; k++) out[k] = last < 0 ? 0 : out[last];
+    return out + BANDS;
+}
+
 /* The channels of one AOV of one pixel. */
 static float *put_aov(const AovFilm *aovs, const Film *film, size_t pixel, Aov aov, float *out)
 {
@@ -397,6 +438,7 @@ static float *put_aov(const AovFilm *aovs, const Film *film, size_t pixel, Aov a
         *out = standard_error > 0 ? (float)(standard_error * standard_error * n) : 0;
         return out + 1;
     case AOV_CRYPTOMATTE: return put_mattes(aovs, OBJECTS, BEHIND_OBJECTS, pixel, p->n, out);
+    case AOV_SPECTRUM: return put_spectrum(sums + sums_before_spectrum(aovs), out);
     case AOV_BEHIND_ALBEDO: return put_sight(aovs, AOV_ALBEDO, sums + AOV_SUMS, n, out);
     case AOV_BEHIND_NORMAL: return put_sight(aovs, AOV_NORMAL, sums + AOV_SUMS, n, out);
     case AOV_BEHIND_DEPTH: return put_sight(aovs, AOV_DEPTH, sums + AOV_SUMS, n, out);
@@ -464,7 +506,7 @@ static void extend_row(void *context, uint32_t y, unsigned worker)
 Status aov_film_resolve(const AovFilm *aovs, const Film *film, const Spread *spread, Pool *pool, Image *image,
                         Error *error)
 {
-    enum { MOST_CHANNELS = 128 };
+    enum { MOST_CHANNELS = 192 };
     TRY(film_resolve(film, spread, pool, image, error));
     if (!aovs->set) return STATUS_OK;
     if (aovs->out_of_memory) return fail(error, STATUS_NOMEM, "out of memory for the film's further channels");
@@ -561,6 +603,10 @@ void aov_visit_attributes(AovSet set, const Scene *scene, Visit *visit, void *co
         visit_names(scene, false, false, add_color, "meniscus/media", visit, context);
     if (has(set, AOV_OBJECT) || has(set, AOV_BEHIND_OBJECT))
         visit_names(scene, true, false, add_color, "meniscus/objects", visit, context);
+    if (has(set, AOV_SPECTRUM)) {
+        visit(context, "spectralLayoutVersion", "1.0");
+        visit(context, "emissiveUnits", "W.m^-2.sr^-1");
+    }
     if (has(set, AOV_CRYPTOMATTE)) {
         visit_cryptomatte(scene, "CryptoObject", true, visit, context);
         visit_cryptomatte(scene, "CryptoMaterial", false, visit, context);

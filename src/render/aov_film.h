@@ -40,9 +40,8 @@ static inline bool aov_film_needs_behind(const AovFilm *film, uint32_t index)
 {
     return (film->set & AOV_SET_BEHIND) != 0 || (film->guides && index % 16 < 4);
 }
-/* One sample; behind: where that is needed, else NULL; before and after: the tracer's counters. A pixel belongs to one thread at a time. */
-void aov_film_add(AovFilm *film, uint32_t x, uint32_t y, const FirstSight *sight, const FirstSight *behind,
-                  const PathCounters *before, const PathCounters *after);
+/* The last sample of a tracer, whose counters were these before it. A pixel belongs to one thread at a time. */
+void aov_film_add(AovFilm *film, uint32_t x, uint32_t y, const Tracer *tracer, const PathCounters *before);
 /* Rows as bytes, and joining two, as film_save_row and its like have it. Those of films of one set and unit. false from joining
  * when memory ends. */
 void aov_film_save_row(const AovFilm *film, uint32_t x0, uint32_t x1, uint32_t y, Buf *out);

@@ -237,9 +237,7 @@ static bool render_sample(Job *job, unsigned worker, uint32_t x, uint32_t y, uin
     tracer->notes_behind = aov_film_needs_behind(&job->state->aovs, index);
     const FilmSample sample = {x, y, settings->width, settings->height, settings->seed, index};
     trace_sample(tracer, &sample, rgb, &alpha);
-    if (tracer->notes_sight)
-        aov_film_add(&job->state->aovs, x, y, &tracer->first_sight, tracer->notes_behind ? &tracer->behind : NULL,
-                     &before, &tracer->counters);
+    if (tracer->notes_sight) aov_film_add(&job->state->aovs, x, y, tracer, &before);
     bool saturated = film_add(&job->state->film, x, y, rgb, alpha);
     film_add_rays(&job->state->film, x, y, tracer->counters.rays - rays);
     if (UNLIKELY(job->state->film.caught != NULL)) add_caught(job, &tracer->caught, x, y, rgb);

@@ -96,6 +96,12 @@ typedef struct CaughtSample {
     float part, lit[3], bare[3];
 } CaughtSample;
 
+/* The light that a sample found, before it is a colour. */
+typedef struct SampleLight {
+    Lanes radiance;
+    WavelengthSample wavelengths;
+} SampleLight;
+
 /* What one thread needs; nothing is allocated per path but for lists that outgrow all before them. */
 typedef struct Tracer {
     _Alignas(MEMORY_APART) const World *world;
@@ -122,6 +128,7 @@ typedef struct Tracer {
     struct Tracer *barer;       /* of the world's bare one; NULL: not yet needed */
     Catching catching[2];       /* of both paths of the last sample, */
     CaughtSample caught;        /* and what that comes to; where the world has a bare one */
+    SampleLight light;          /* of the last sample: nothing where it was bad */
     /* what the last path met first: the object, a combination's own row, or beyond these what scatters, also behind boundaries;
      * SCENE_NONE: nothing, or a light */
     uint32_t seen;

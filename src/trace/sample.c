@@ -289,5 +289,7 @@ void trace_sample(Tracer *tracer, const FilmSample *sample, float rgb[3], float 
         rgb[0] = rgb[1] = rgb[2] = 0;
         *alpha = 1;
         tracer->caught.part = 0;
+        path.radiance = lanes_all(0);
     }
+    tracer->light = (SampleLight){path.radiance, wavelengths};
 }

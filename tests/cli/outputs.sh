@@ -433,6 +433,20 @@ matches out '^uv\.U 0\.25[23]'
 matches out '^uv\.V 0\.25[23]'
 end
 
+begin "aov: spectra, as programs that know spectral EXR files read them, and as numbers of a pixel"
+small_scene
+run render small.mns -o a.exr --aov spectrum
+exits 0
+run info a.exr
+for nm in 400 550 700; do says out " S0.${nm}nm float"; done
+matches out '^spectralLayoutVersion +1\.0$'
+matches out '^emissiveUnits +W\.m\^-2\.sr\^-1$'
+run view a.exr --layer S0.550nm -o a.png
+exits 0
+run render small.mns --pixel 8,5 --aov spectrum -q
+[ "$(grep -c '^S0\.[4-7][0-9]0nm [0-9]' out)" -eq 31 ] || flunk "not 31 bands"
+end
+
 begin "aov: further channels"
 small_scene
 run render small.mns -o plain.exr

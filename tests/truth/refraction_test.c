@@ -473,13 +473,68 @@ static void fire(void **state)
     assert_true(value[1] > 0.05 && value[0] < 0.2 * value[1]);
 }
 
+/* Of the light of a wall, by rows <nm, value>, what comes straight through a pane of glass that disperses and absorbs by such rows, in
+ * the mean over a band: with all that goes to and fro between its faces. */
+static double light_at(double nm, bool pane)
+{
+    enum { STEPS = 200 };
+    double sum = 0;
+    for (int i = 0; i < STEPS; i++) {
+        double w = nm - 5 + 10 * (i + 0.5) / STEPS;
+        double light = w < 560 ? 2 + 3 * (w - 380) / 180 : 5 - 4 * (w - 560) / 160, through = 1;
+        double n = 1.5 + 0.02e6 / (w * w), r = (n - 1) * (n - 1) / ((n + 1) * (n + 1));
+        double left = exp(-4 * (0.1 + 0.2 * (w - 380) / 340));
+        if (pane) through = (1 - r) * (1 - r) * left / (1 - r * r * left * left);
+        sum += light * through / STEPS;
+    }
+    return sum;
+}
+
+static void spectrum_through_a_pane(void **state)
+{
+    (void)state;
+    enum { PICTURE = 24, SAMPLES = 256, BANDS = 29 }; /* beyond 680 nm not all pixels have samples */
+    Estimate found[2][BANDS];
+    for (int pane = 0; pane < 2; pane++) {
+        char text[1000];
+        snprintf(text, sizeof text,
+                 "meniscus 1.0 unit mm\n"
+                 "medium tinted { ior = cauchy(1.5, .02)  absorption = spectrum([<380, .1>, <720, .3>]) }\n"
+                 "box wall { from = <-99, -99, -20>  to = <99, 99, -19>\n"
+                 "  surface = surface { albedo = 0  emission = spectrum([<380, 2>, <560, 5>, <720, 1>]) } }\n"
+                 "%s camera { projection = orthographic  from = <0, 0, 50>  width = 4 }\n",
+                 pane ? "box { interior = tinted  from = <-50, -50, 0>  to = <50, 50, 4> }" : "");
+        Fixture scene;
+        Picture picture;
+        truth_open(&scene, (TruthInput){.text = text, .policy = NEST_AUTOMATIC});
+        RenderSettings settings = truth_settings(PICTURE, SAMPLES);
+        settings.aovs = (AovSet)1 << AOV_SPECTRUM;
+        truth_render(&scene, &settings, 0, &picture);
+        for (int k = 0; k < BANDS; k++) {
+            char name[16];
+            snprintf(name, sizeof name, "S0.%dnm", 400 + 10 * k);
+            found[pane][k] = truth_mean(&picture, image_channel(&picture.image, name));
+        }
+        truth_clear(&picture);
+        fixture_clear(&scene);
+    }
+    for (int pane = 0; pane < 2; pane++)
+        for (int k = 0; k < BANDS; k++) {
+            char what[60];
+            snprintf(what, sizeof what, "%d nm %s", 400 + 10 * k, pane ? "through a pane" : "of a wall");
+            double scale =
+                found[0][15].mean / light_at(550, false); /* lights are as bright as their radiance says */
+            truth_expect(what, scale * light_at(400 + 10 * k, pane), found[pane][k], 4.5, 0.02);
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(snells_window), cmocka_unit_test(apparent_depth),
         cmocka_unit_test(prism),         cmocka_unit_test(half_submerged_lens),
         cmocka_unit_test(rainbow),       cmocka_unit_test(lines_through_a_prism),
-        cmocka_unit_test(fire),
+        cmocka_unit_test(fire),          cmocka_unit_test(spectrum_through_a_pane),
     };
     return cmocka_run_group_tests_name("refraction", tests, NULL, NULL);
 }

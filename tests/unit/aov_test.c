@@ -157,10 +157,10 @@ static void sums_do_not_overflow(void **state)
         assert_int_equal(aov_film_init(&aovs, set, false, 0x1p-36, 1, 1, &error), STATUS_OK);
         assert_int_equal(aov_film_init(&twin, set, false, 0x1p-36, 1, 1, &error), STATUS_OK);
         aovs.world = twin.world = &world;
-        FirstSight sight = {.met = true, .distance = d, .position = {-d, d, 3 * d}, .uv = {(float)d, -(float)d}};
-        PathCounters counters = {0};
+        Tracer tracer = {
+            .first_sight = {.met = true, .distance = d, .position = {-d, d, 3 * d}, .uv = {(float)d, -(float)d}}};
         enum { N = 100, DOUBLINGS = 20 };
-        for (int k = 0; k < N; k++) aov_film_add(&aovs, 0, 0, &sight, NULL, &counters, &counters);
+        for (int k = 0; k < N; k++) aov_film_add(&aovs, 0, 0, &tracer, &tracer.counters);
         for (int k = 0; k < DOUBLINGS; k++) {
             Buf row = {0};
             aov_film_save_row(&aovs, 0, 1, 0, &row);
