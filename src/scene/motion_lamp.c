@@ -20,11 +20,13 @@ static Affine frame_of(Vec3 x, Vec3 y, Vec3 place)
     return (Affine){{{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}}, place};
 }
 
-/* Whether a lamp looks the same however it is turned about its axis. */
+/* Whether a lamp looks the same however it is turned about its axis. Of a profile only type C's horizontal angles go about that: with
+ * one of another type's it is the same to the right and to the left, but not above. */
 static bool is_round(const SceneLight *light)
 {
-    return light->kind == LIGHT_DISC || light->kind == LIGHT_SPHERE ||
-           (light->kind == LIGHT_POINT && (!light->profile || light->profile->n_horizontal == 1));
+    const LightProfile *profile = light->profile;
+    if (profile) return profile->type == PROFILE_C && profile->n_horizontal == 1;
+    return light->kind == LIGHT_DISC || light->kind == LIGHT_SPHERE || light->kind == LIGHT_POINT;
 }
 
 /* Whether it looks the same half a turn about its axis further. */

@@ -271,6 +271,23 @@ static void hanging_lamps_turn_as_they_are_turned(void **state)
     fixture_clear(&scene);
 }
 
+/* A profile of one horizontal angle is round only where that is an angle about the axis. */
+static void profiles_turn_as_they_are_turned(void **state)
+{
+    (void)state;
+    Fixture scene;
+    fixture_good(&scene, FIXTURE_MEDIA
+                 "light { shape = point  profile = \"tests/unit/lamp_fan.ies\"  rotate(y, 360 * clock)  translate(9 * y) }"
+                 "light { shape = spot  from = 0 * y  to = -y  rotate(y, 360 * clock)  translate(9 * y) }" HALF);
+    const Scene *s = scene.scene;
+    const Affine *fan = scene_motion(s, s->lights[0].motion), *spot = scene_motion(s, s->lights[1].motion);
+    assert_non_null(fan);
+    assert_near(vec3_length(vec3_sub(first_axis(&fan[1]), vec3(0, 0, -1))), 0, 1e-12);
+    assert_near(vec3_length(vec3_sub(first_axis(&fan[2]), vec3(-1, 0, 0))), 0, 1e-12);
+    assert_null(spot);
+    fixture_clear(&scene);
+}
+
 static void programs_are_aligned(void **state)
 {
     (void)state;
@@ -483,6 +500,7 @@ int main(void)
         cmocka_unit_test(textures_are_where_their_node_is),
         cmocka_unit_test(numbers_of_textures_are_between_keys),
         cmocka_unit_test(hanging_lamps_turn_as_they_are_turned),
+        cmocka_unit_test(profiles_turn_as_they_are_turned),
         cmocka_unit_test(programs_are_aligned),
         cmocka_unit_test(mistakes_of_later_are_told),
         cmocka_unit_test(a_mesh_may_be_given_a_frame_later),
