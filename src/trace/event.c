@@ -72,10 +72,52 @@ bool path_passes_into_boundary(Path *path, Event *event)
     return true;
 }
 
+/* The level of the hull whose boundary a surface is; 0: none that owns a point. */
+static uint32_t level_of(const CompiledScene *compiled, const Hit *hit)
+{
+    const NestOrder *order = &compiled->order;
+    uint32_t hull = compiled->hull_of_object[hit->object];
+    if (hull != SCENE_NONE && hull >= order->n_hulls) hull = order->csg->trees[nest_csg_tree(order->csg, hull)].hull;
+    return hull < order->n_hulls ? order->top[hull].level : 0;
+}
+
+/* Of the owners on both sides of a boundary the one that would be on top if they overlapped there by a little. */
+static uint32_t upper_owner(const CompiledScene *compiled, uint32_t from, uint32_t to)
+{
+    const NestOrder *order = &compiled->order;
+    if (from >= order->n_hulls || to >= order->n_hulls) return from < order->n_hulls ? from : to;
+    if (order->policy != NEST_AUTOMATIC) return order->top[from].level > order->top[to].level ? from : to;
+    const bool forward = from < to;
+    const NestOverlap overlap = {forward ? from : to, forward ? to : from, NEST_PARTIAL};
+    return nest_decide(compiled->hulls, &overlap).top;
+}
+
+/* The hit by which what is of that level begins or ends; NULL: there is none. Of hulls that share it that of the one that is declared
+ * first; of operands the last with which their combination does so. */
+static const Hit *hit_of_level(Tracer *tracer, const NestList *before, const Hit *hits, size_t n, uint32_t level)
+{
+    const CompiledScene *compiled = tracer->world->compiled;
+    NestList *list = &tracer->shadow_list;
+    const Hit *best = NULL;
+    if (nest_list_copy(list, before) != STATUS_OK) return NULL;
+    for (size_t i = 0; i < n; i++) {
+        if (level_of(compiled, &hits[i]) != level) continue;
+        const NestPass pass = {compiled->hull_of_object[hits[i].object], hits[i].entering};
+        const bool operand = pass.hull >= compiled->order.n_hulls;
+        const uint32_t tree = operand ? nest_csg_tree(&compiled->csg, pass.hull) : 0;
+        const bool held = operand && nest_csg_holds(&compiled->csg, tree, list);
+        NestCrossing step;
+        if (nest_cross_one(list, &compiled->order, pass, &step) != STATUS_OK) return best;
+        if (operand && nest_csg_holds(&compiled->csg, tree, list) == held) continue;
+        if (!best || operand || hits[i].object < best->object) best = &hits[i];
+    }
+    return best;
+}
+
 /* Crossing the hits of several at one place one after another, the one at which the medium last becomes what it is behind them all, or
  * where an opaque combination begins. */
-static const Hit *boundary_hit_of_several(Tracer *tracer, const NestList *before, const Hit *hits, size_t n,
-                                          const NestCrossing *crossing)
+static const Hit *last_hit(Tracer *tracer, const NestList *before, const Hit *hits, size_t n,
+                           const NestCrossing *crossing)
 {
     const CompiledScene *compiled = tracer->world->compiled;
     const Hit *best = &hits[0];
@@ -92,19 +134,28 @@ static const Hit *boundary_hit_of_several(Tracer *tracer, const NestList *before
     return best;
 }
 
+/* Which hull's surface is there, with its film or its roughness, is the same from either side: that of the upper one of the owners. Where
+ * that goes on below the other one it is the other's. */
+static const Hit *boundary_hit_of_several(Tracer *tracer, const NestList *before, const Hit *hits, size_t n,
+                                          const NestCrossing *crossing)
+{
+    const CompiledScene *compiled = tracer->world->compiled;
+    const NestOrder *order = &compiled->order;
+    const uint32_t from = crossing->owner_from, to = crossing->owner_to;
+    if (crossing->opaque || order->policy == NEST_NONE) return last_hit(tracer, before, hits, n, crossing);
+    const uint32_t upper = upper_owner(compiled, from, to), owners[2] = {upper, upper == from ? to : from};
+    for (int i = 0; i < 2; i++) {
+        if (owners[i] >= order->n_hulls) continue;
+        const Hit *hit = hit_of_level(tracer, before, hits, n, order->top[owners[i]].level);
+        if (hit) return hit;
+    }
+    return last_hit(tracer, before, hits, n, crossing);
+}
+
 const Hit *path_boundary_hit(Tracer *tracer, const NestList *before, const Hit *hits, size_t n,
                              const NestCrossing *crossing)
 {
     return LIKELY(n == 1) ? hits : boundary_hit_of_several(tracer, before, hits, n, crossing);
-}
-
-/* The level of the hull whose boundary a surface is; 0: none that owns a point. */
-static uint32_t level_of(const CompiledScene *compiled, const Hit *hit)
-{
-    const NestOrder *order = &compiled->order;
-    uint32_t hull = compiled->hull_of_object[hit->object];
-    if (hull != SCENE_NONE && hull >= order->n_hulls) hull = order->csg->trees[nest_csg_tree(order->csg, hull)].hull;
-    return hull < order->n_hulls ? order->top[hull].level : 0;
 }
 
 ATTR_APART const Hit *path_painted_hit(const World *world, const Hit *hits, size_t n, uint32_t from, uint32_t to)
@@ -680,7 +731,7 @@ static bool part_hits(Tracer *tracer, const LightSample *light)
 }
 
 /* Whether the operand's surface among tracer->aimed is the one by which a path that came there would find the combination opaque: see
- * boundary_hit_of_several. tracer->shadow_list is that in front of them. */
+ * last_hit. tracer->shadow_list is that in front of them. */
 static bool is_opaque_there(Tracer *tracer, uint32_t object)
 {
     const NestCsg *csg = &tracer->world->compiled->csg;

@@ -151,8 +151,64 @@ static void lines_are_the_same_from_both_ends(void **state)
     assert_int_equal(ranked.faults.faults + entered.faults.faults, 0);
 }
 
+/* ---- surfaces ---- */
+
+#define SLAB(medium, z0, z1, more)                                                                                     \
+    "box { interior = " medium "  from = <-500, -500, " z0 ">  to = <500, 500, " z1 ">  " more " }\n"
+#define PART(z0, z1) "box { from = <-500, -500, " z0 ">  to = <500, 500, " z1 "> }\n"
+#define COATED "surface = surface { film = 120nm  film_ior = 2.4 }"
+#define STATED "priority = 1"
+
+/* What comes straight through slabs that one looks at from an end. */
+static Estimate seen_from(const char *slabs, int end)
+{
+    char text[2000];
+    snprintf(text, sizeof text,
+             "meniscus 1.0 unit mm\nmedium a { ior = 1.5  state = solid } medium b { ior = 1.33  state = liquid }\n"
+             "medium c { ior = 1.7 } medium d { ior = 2  state = gas } medium smoke { mixes = true }\n%s"
+             "def f(p) = p.z * %d < 0 ? 1 : 0\nenvironment { function = f }\n"
+             "camera { from = <0, 0, %d>  to = <0, 0, 0>  fov = .01 }\n",
+             slabs, end, 40 * end);
+    return truth_measure(text, NULL, 256, false);
+}
+
+/* Where faces are at one place, the film on one of them is there from both ends, or from neither: as if the slabs overlapped by a
+ * little, and the one on top had its own face there. */
+static void films_are_the_same_from_both_ends(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *what, *coincident, *overlapping;
+    } cases[] = {
+        {"a coated slab on a thicker one", SLAB("a", "0", "5", COATED) SLAB("c", "-10", "0", ""),
+         SLAB("a", "0", "5", COATED) SLAB("c", "-10", ".001", "")},
+        {"a slab on a thicker one that is coated", SLAB("a", "0", "5", "") SLAB("c", "-10", "0", COATED),
+         SLAB("a", "0", "5", "") SLAB("c", "-10", ".001", COATED)},
+        {"water on coated glass, by state of matter", SLAB("a", "-10", "0", COATED) SLAB("b", "0", "5", ""),
+         SLAB("a", "-10", "0", COATED) SLAB("b", "-.001", "5", "")},
+        {"the same in smoke", SLAB("smoke", "-20", "20", "") SLAB("a", "0", "5", "") SLAB("c", "-10", "0", COATED),
+         SLAB("smoke", "-20", "20", "") SLAB("a", "0", "5", "") SLAB("c", "-10", ".001", COATED)},
+        {"one on top of a coated one in a third",
+         SLAB("c", "0", "5", STATED) SLAB("a", "0", "10", COATED) SLAB("d", "-10", "10", ""),
+         SLAB("c", "-.001", "5", STATED) SLAB("a", "0", "10", COATED) SLAB("d", "-10", "9.999", "")},
+        {"a coated one below all of another",
+         SLAB("a", "-10", "10", STATED) SLAB("b", "-10", "-5", COATED) SLAB("d", "5", "10", COATED "  priority = 2"),
+         SLAB("a", "-10", "9.999", STATED) SLAB("b", "-9.999", "-5", COATED)
+             SLAB("d", "5", "10", COATED "  priority = 2")},
+        {"a combination on a coated slab",
+         "intersection { interior = a  " PART("0", "7") PART("-3", "5") "}\n" SLAB("c", "-10", "0", COATED),
+         "intersection { interior = a  " PART("0", "7") PART("-3", "5") "}\n" SLAB("c", "-10", ".001", COATED)},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        Estimate overlapping = seen_from(cases[i].overlapping, 1);
+        for (int end = -1; end <= 1; end += 2)
+            truth_alike(cases[i].what, overlapping, seen_from(cases[i].coincident, end), 4, 0.003);
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(lines_are_the_same_from_both_ends)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(lines_are_the_same_from_both_ends),
+                                       cmocka_unit_test(films_are_the_same_from_both_ends)};
     return cmocka_run_group_tests_name("reciprocity", tests, NULL, NULL);
 }

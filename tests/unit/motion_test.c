@@ -276,9 +276,10 @@ static void profiles_turn_as_they_are_turned(void **state)
 {
     (void)state;
     Fixture scene;
-    fixture_good(&scene, FIXTURE_MEDIA
-                 "light { shape = point  profile = \"tests/unit/lamp_fan.ies\"  rotate(y, 360 * clock)  translate(9 * y) }"
-                 "light { shape = spot  from = 0 * y  to = -y  rotate(y, 360 * clock)  translate(9 * y) }" HALF);
+    fixture_good(
+        &scene, FIXTURE_MEDIA
+        "light { shape = point  profile = \"tests/unit/lamp_fan.ies\"  rotate(y, 360 * clock)  translate(9 * y) }"
+        "light { shape = spot  from = 0 * y  to = -y  rotate(y, 360 * clock)  translate(9 * y) }" HALF);
     const Scene *s = scene.scene;
     const Affine *fan = scene_motion(s, s->lights[0].motion), *spot = scene_motion(s, s->lights[1].motion);
     assert_non_null(fan);
