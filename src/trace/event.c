@@ -92,24 +92,61 @@ static uint32_t upper_owner(const CompiledScene *compiled, uint32_t from, uint32
     return nest_decide(compiled->hulls, &overlap).top;
 }
 
-/* The hit by which what is of that level begins or ends; NULL: there is none. Of hulls that share it that of the one that is declared
- * first; of operands the last with which their combination does so. */
+static bool is_operand_of(const CompiledScene *compiled, uint32_t pass, uint32_t tree)
+{
+    return pass != SCENE_NONE && pass >= compiled->order.n_hulls && nest_csg_tree(&compiled->csg, pass) == tree;
+}
+
+/* Whether the operand of a hit alone makes the difference between inside and outside of its combination, at what is in a list; that
+ * stays as it is. */
+static bool decides(const NestCsg *csg, uint32_t tree, NestList *list, NestPass pass)
+{
+    const bool held = nest_csg_holds(csg, tree, list);
+    if (!nest_csg_pass(csg, list, pass.hull, pass.entering)) return false;
+    const bool decided = nest_csg_holds(csg, tree, list) != held;
+    nest_csg_pass(csg, list, pass.hull, !pass.entering);
+    return decided;
+}
+
+/* Of operands the one declared last that decides, in front of all of their surfaces or behind them: so it is the same from either side;
+ * else, where only several together do, the last in turn. NULL: the combination neither begins nor ends. */
+static const Hit *hit_of_operand(Tracer *tracer, const NestList *before, const Hit *hits, size_t n, uint32_t tree)
+{
+    const CompiledScene *compiled = tracer->world->compiled;
+    const NestCsg *csg = &compiled->csg;
+    NestList *list = &tracer->shadow_list;
+    const Hit *best = NULL, *last = NULL;
+    if (nest_list_copy(list, before) != STATUS_OK || nest_list_reserve(list, (uint32_t)n) != STATUS_OK) return NULL;
+    const bool held = nest_csg_holds(csg, tree, list);
+    for (int behind = 0; behind < 2; behind++) {
+        for (size_t i = 0; i < n; i++) {
+            const NestPass pass = {compiled->hull_of_object[hits[i].object], hits[i].entering != (behind != 0)};
+            if (!is_operand_of(compiled, pass.hull, tree) || !decides(csg, tree, list, pass)) continue;
+            if (!best || hits[i].object > best->object) best = &hits[i];
+        }
+        for (size_t i = 0; i < n && !behind; i++) {
+            const uint32_t operand = compiled->hull_of_object[hits[i].object];
+            const bool inside = nest_csg_holds(csg, tree, list);
+            if (!is_operand_of(compiled, operand, tree)) continue;
+            nest_csg_pass(csg, list, operand, hits[i].entering);
+            if (nest_csg_holds(csg, tree, list) != inside) last = &hits[i];
+        }
+    }
+    if (nest_csg_holds(csg, tree, list) == held) return NULL;
+    return best ? best : last;
+}
+
+/* The hit by which what is of that level begins or ends; NULL: there is none. Of hulls that share it that of the one declared first. */
 static const Hit *hit_of_level(Tracer *tracer, const NestList *before, const Hit *hits, size_t n, uint32_t level)
 {
     const CompiledScene *compiled = tracer->world->compiled;
-    NestList *list = &tracer->shadow_list;
     const Hit *best = NULL;
-    if (nest_list_copy(list, before) != STATUS_OK) return NULL;
     for (size_t i = 0; i < n; i++) {
+        const uint32_t hull = compiled->hull_of_object[hits[i].object];
         if (level_of(compiled, &hits[i]) != level) continue;
-        const NestPass pass = {compiled->hull_of_object[hits[i].object], hits[i].entering};
-        const bool operand = pass.hull >= compiled->order.n_hulls;
-        const uint32_t tree = operand ? nest_csg_tree(&compiled->csg, pass.hull) : 0;
-        const bool held = operand && nest_csg_holds(&compiled->csg, tree, list);
-        NestCrossing step;
-        if (nest_cross_one(list, &compiled->order, pass, &step) != STATUS_OK) return best;
-        if (operand && nest_csg_holds(&compiled->csg, tree, list) == held) continue;
-        if (!best || operand || hits[i].object < best->object) best = &hits[i];
+        if (hull >= compiled->order.n_hulls)
+            return hit_of_operand(tracer, before, hits, n, nest_csg_tree(&compiled->csg, hull));
+        if (!best || hits[i].object < best->object) best = &hits[i];
     }
     return best;
 }

@@ -155,7 +155,7 @@ static void lines_are_the_same_from_both_ends(void **state)
 
 #define SLAB(medium, z0, z1, more)                                                                                     \
     "box { interior = " medium "  from = <-500, -500, " z0 ">  to = <500, 500, " z1 ">  " more " }\n"
-#define PART(z0, z1) "box { from = <-500, -500, " z0 ">  to = <500, 500, " z1 "> }\n"
+#define PART(z0, z1, more) "box { from = <-500, -500, " z0 ">  to = <500, 500, " z1 ">  " more " }\n"
 #define COATED "surface = surface { film = 120nm  film_ior = 2.4 }"
 #define STATED "priority = 1"
 
@@ -195,9 +195,13 @@ static void films_are_the_same_from_both_ends(void **state)
          SLAB("a", "-10", "10", STATED) SLAB("b", "-10", "-5", COATED) SLAB("d", "5", "10", COATED "  priority = 2"),
          SLAB("a", "-10", "9.999", STATED) SLAB("b", "-9.999", "-5", COATED)
              SLAB("d", "5", "10", COATED "  priority = 2")},
+        {"a union of two, one coated", "union { interior = a  " PART("0", "5", COATED) PART("0", "9", "") "}\n",
+         "union { interior = a  " PART("0", "5", COATED) PART("-.001", "9", "") "}\n"},
+        {"a coated part of two", "intersection { interior = a  " PART("0", "9", "") PART("0", "5", COATED) "}\n",
+         "intersection { interior = a  " PART("-.001", "9", "") PART("0", "5", COATED) "}\n"},
         {"a combination on a coated slab",
-         "intersection { interior = a  " PART("0", "7") PART("-3", "5") "}\n" SLAB("c", "-10", "0", COATED),
-         "intersection { interior = a  " PART("0", "7") PART("-3", "5") "}\n" SLAB("c", "-10", ".001", COATED)},
+         "intersection { interior = a  " PART("0", "7", "") PART("-3", "5", "") "}\n" SLAB("c", "-10", "0", COATED),
+         "intersection { interior = a  " PART("0", "7", "") PART("-3", "5", "") "}\n" SLAB("c", "-10", ".001", COATED)},
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         Estimate overlapping = seen_from(cases[i].overlapping, 1);
