@@ -438,32 +438,43 @@ static void hint_for_lamp(const Enclosures *e, uint32_t light, uint32_t holder, 
                   outer->name);
 }
 
-/* The first few, and how many more there are. */
+/* n: how many things the same place in the text is of, this one the first, that are within what another one is of. */
+static void report_one_held(const Enclosures *e, uint32_t thing, uint32_t n, Diag *diag)
+{
+    const Scene *scene = e->scene;
+    const SceneObject *outer = &scene->objects[e->holder[thing]];
+    Diagnostic *report;
+    if (e->lamps) {
+        const SceneLight *light = &scene->lights[light_of(e, thing)];
+        report = diag_report(diag, D_ENCLOSED_LIGHT, light->span,
+                             "%s is wholly inside of %s, which is opaque: none of its light comes out", light->name,
+                             outer->name);
+    } else {
+        report = diag_report(diag, D_ENCLOSED_OBJECT, scene->objects[thing].span,
+                             "%s is wholly inside of %s, which is opaque: nothing of it is seen",
+                             scene->objects[thing].name, outer->name);
+    }
+    if (n > 1)
+        diag_note_nowhere(diag, report, "and so %s %u more that this line places", n == 2 ? "is" : "are",
+                          (unsigned)(n - 1));
+    diag_note(diag, report, outer->span, "%s is here", outer->name);
+    if (e->lamps)
+        hint_for_lamp(e, light_of(e, thing), e->holder[thing], diag, report);
+    else
+        diag_hint(diag, report, "let it come through the surface of %s, or remove it", outer->name);
+}
+
 static void report_held(const Enclosures *e, uint32_t n_things, Diag *diag)
 {
     const Scene *scene = e->scene;
-    const DiagCode code = e->lamps ? D_ENCLOSED_LIGHT : D_ENCLOSED_OBJECT;
-    uint32_t n = 0;
+    ReportLikes likes = {.n = 0};
     for (uint32_t i = 0; i < n_things; i++) {
-        uint32_t light = light_of(e, i);
-        if (e->holder[i] == SCENE_NONE || ++n > REPORT_MOST) continue;
-        const SceneObject *outer = &scene->objects[e->holder[i]];
-        Diagnostic *report;
-        if (e->lamps)
-            report = diag_report(diag, code, scene->lights[light].span,
-                                 "%s is wholly inside of %s, which is opaque: none of its light comes out",
-                                 scene->lights[light].name, outer->name);
-        else
-            report = diag_report(diag, code, scene->objects[i].span,
-                                 "%s is wholly inside of %s, which is opaque: nothing of it is seen",
-                                 scene->objects[i].name, outer->name);
-        diag_note(diag, report, outer->span, "%s is here", outer->name);
-        if (e->lamps)
-            hint_for_lamp(e, light, e->holder[i], diag, report);
-        else
-            diag_hint(diag, report, "let it come through the surface of %s, or remove it", outer->name);
+        if (e->holder[i] == SCENE_NONE) continue;
+        Span span = e->lamps ? scene->lights[light_of(e, i)].span : scene->objects[i].span;
+        (void)report_count_places(&likes, span, scene->objects[e->holder[i]].span, i);
     }
-    report_rest(diag, code, n);
+    for (uint32_t i = 0; i < likes.n; i++) report_one_held(e, (uint32_t)likes.first[i], likes.counts[i], diag);
+    report_others(diag, e->lamps ? D_ENCLOSED_LIGHT : D_ENCLOSED_OBJECT, likes.n_others);
 }
 
 /* The opaque object in whose face a flat light lies, at its middle and halfway to two corners, and that it shines into; SCENE_NONE:

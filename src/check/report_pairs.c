@@ -324,20 +324,18 @@ void report_others(Diag *diag, DiagCode code, uint32_t n)
     if (n) diag_report_nowhere(diag, code, "%u more of the same kind", (unsigned)n);
 }
 
-uint32_t report_count_like(ReportLikes *likes, const SceneObject *a, const SceneObject *b, size_t item)
+uint32_t report_count_places(ReportLikes *likes, Span a, Span b, size_t item)
 {
     uint32_t i = 0;
-    while (i < likes->n &&
-           !(span_same_place(likes->places[i][0], a->span) && span_same_place(likes->places[i][1], b->span)))
-        i++;
+    while (i < likes->n && !(span_same_place(likes->places[i][0], a) && span_same_place(likes->places[i][1], b))) i++;
     if (i == REPORT_MOST) {
         likes->n_others++;
         return i;
     }
     if (i == likes->n) {
         likes->first[i] = item;
-        likes->places[i][0] = a->span;
-        likes->places[i][1] = b->span;
+        likes->places[i][0] = a;
+        likes->places[i][1] = b;
         likes->counts[likes->n++] = 0;
     }
     likes->counts[i]++;

@@ -140,7 +140,11 @@ typedef struct ReportLikes {
     uint32_t n_others;               /* for whose groups there was no room */
 } ReportLikes;
 /* Counts an item more; returns its group, which is new where the count is 1, or REPORT_MOST: it is one of the others. */
-uint32_t report_count_like(ReportLikes *likes, const SceneObject *a, const SceneObject *b, size_t item);
+uint32_t report_count_places(ReportLikes *likes, Span a, Span b, size_t item);
+static inline uint32_t report_count_like(ReportLikes *likes, const SceneObject *a, const SceneObject *b, size_t item)
+{
+    return report_count_places(likes, a->span, b->span, item);
+}
 /* Of n items that there was no room for; nothing of none. */
 void report_others(Diag *diag, DiagCode code, uint32_t n);
 /* Of n items, of which the first few were reported. */
