@@ -37,6 +37,30 @@ bool mesh_has_reader(const char *extension)
     return false;
 }
 
+/* What of other programs' files becomes one that can be read. */
+static const struct {
+    const char *extensions, *way;
+} foreign[] = {
+    {"blend", "Blender exports glTF 2.0 (.glb) of it"},
+    {"fbx dae usd usda usdc usdz abc x3d wrl 3ds", "read it into Blender and export it as glTF 2.0 (.glb)"},
+    {"max ma mb c4d skp 3dm lwo ksp bip", "the program that made it exports .glb or .obj of it"},
+    {"step stp iges igs brep brp fcstd 3mf sldprt", "FreeCAD and other programs for design export .glb or .stl of it"},
+    {"scad", "openscad -o part.stl makes an .stl of it"},
+    {"pov inc", "meniscus-povray(7) says how scenes of POV-Ray are written here"},
+};
+
+static const char *foreign_way(const char *extension)
+{
+    size_t length = strlen(extension);
+    for (size_t i = 0; i < COUNT_OF(foreign); i++)
+        for (const char *word = foreign[i].extensions; *word;) {
+            size_t n = strcspn(word, " ");
+            if (n == length && strncasecmp(word, extension, n) == 0) return foreign[i].way;
+            word += n + strspn(word + n, " ");
+        }
+    return NULL;
+}
+
 Status mesh_load(const char *path, MeshSource *source, Mesh **mesh, Error *error)
 {
     const char *extension = file_extension(path);
@@ -48,8 +72,11 @@ Status mesh_load(const char *path, MeshSource *source, Mesh **mesh, Error *error
         }
         buf_format(&known, "%s.%s", i == 0 ? "" : i + 1 < COUNT_OF(readers) ? ", " : " and ", readers[i].extension);
     }
-    Status status =
-        fail(error, STATUS_INPUT, "cannot tell what kind of mesh '%s' is; %s can be read", path, buf_text(&known));
+    const char *way = foreign_way(extension);
+    Status status = fail(error, STATUS_INPUT,
+                         way ? "'%s' is no mesh that can be read, as %s are: %s"
+                             : "cannot tell what kind of mesh '%s' is; %s can be read",
+                         path, buf_text(&known), way);
     buf_clear(&known);
     return status;
 }

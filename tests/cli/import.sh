@@ -224,6 +224,14 @@ echo x > picture.png
 run import picture.png
 exits 4
 says err "cannot tell what kind of mesh 'picture.png' is; .ply, .obj, .stl, .gltf, .glb and .asc can be read"
+echo x > scene.blend
+run import scene.blend
+exits 4
+says err "no mesh that can be read, as .ply, .obj, .stl, .gltf, .glb and .asc are: Blender exports glTF 2.0 (.glb) of it"
+echo x > part.STEP
+run import part.STEP
+exits 4
+says err "FreeCAD and other programs"
 head -c 2000 drink.glb > cut.glb
 run import cut.glb
 exits 4
