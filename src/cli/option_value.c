@@ -287,7 +287,9 @@ Status option_value_read(const OptionRow *row, const char *spelled, const char *
     case KIND_FOLDERS: return read_text(spelled, text, value, error);
     case KIND_DEFINES:
         if (strchr(text, '=') && text[0] != '=') return STATUS_OK;
-        return fail(error, STATUS_USAGE, "option '%s': '%s' is not NAME=VALUE", spelled, text);
+        if (*text == '\0' || *text == '=')
+            return fail(error, STATUS_USAGE, "option '%s': '%s' is not NAME=VALUE", spelled, text);
+        return fail(error, STATUS_USAGE, "option '%s': '%s' is not NAME=VALUE, as %s=true is", spelled, text, text);
     }
     return STATUS_OK;
 }

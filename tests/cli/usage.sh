@@ -74,7 +74,7 @@ refuses "holds no pixel" render small.mns --crop 4,0,4,8
 refuses "holds no pixel" render small.mns --crop 50%,0,50%,8
 refuses "8,0,8,8 of the picture of 16 x 16 holds no pixel" render small.mns --crop 8,0,50%,50%
 refuses "16,17 is outside of the picture of 16 x 16" render small.mns --crop 0,0,16,17
-refuses "'level' is not NAME=VALUE" render small.mns -D level
+refuses "'level' is not NAME=VALUE, as level=true is" render small.mns -D level
 refuses "did you mean 'automatic'?" render small.mns --nesting automtic
 refuses "option '--aov': there is no 'nrmal'; did you mean 'normal'?" render small.mns --aov depth,nrmal
 refuses "option '--aov': there is no 'object_id'; did you mean 'object'?" render small.mns --aov object_id
