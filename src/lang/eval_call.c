@@ -114,11 +114,23 @@ static const char *habit_formal(Arena *arena, const char *wrong, const char *con
     return NULL;
 }
 
-void eval_report_formal(Evaluator *evaluator, const Def *def, const char *wrong, Span span)
+/* Bit i: formal i, of the first 64, is named by an argument. */
+static uint64_t named_formals(const Def *def, const Args *args)
+{
+    uint64_t named = 0;
+    for (uint32_t i = 0; i < args->n; i++) {
+        int index = args->items[i].name ? formal_of(def, args->items[i].name) : -1;
+        if (index >= 0 && index < 64) named |= (uint64_t)1 << index;
+    }
+    return named;
+}
+
+void eval_report_formal(Evaluator *evaluator, const Def *def, uint64_t given, const char *wrong, Span span)
 {
     const char *words[BUILTIN_MAX_ARGS];
     size_t n = 0;
-    for (; n < def->n_formals && n < COUNT_OF(words); n++) words[n] = def->formals[n].name->text;
+    for (uint32_t i = 0; i < def->n_formals && n < COUNT_OF(words); i++)
+        if (i >= 64 || !(given >> i & 1)) words[n++] = def->formals[i].name->text;
     Diagnostic *report =
         eval_report(evaluator, D_WRONG_ARGUMENT, span, "'%s' has no parameter '%s'", def->name->text, wrong);
     const char *habit = habit_formal(evaluator->diag->arena, wrong, words, n);
@@ -138,7 +150,8 @@ static bool bind_args(Evaluator *evaluator, Expr *expr, const Def *def, Value *s
     for (uint32_t i = 0; i < args->n; i++) {
         const Arg *arg = &args->items[i];
         int index = arg->name ? formal_of(def, arg->name) : (int)position++;
-        if (index < 0 && !expr->reported) eval_report_formal(evaluator, def, arg->name->text, arg->name_span);
+        if (index < 0 && !expr->reported)
+            eval_report_formal(evaluator, def, named_formals(def, args), arg->name->text, arg->name_span);
         if (index >= (int)def->n_formals) {
             Diagnostic *report = eval_error(evaluator, arg->value, D_WRONG_ARGUMENT, "'%s' takes %u argument%s, not %u",
                                             def->name->text, def->n_formals, def->n_formals == 1 ? "" : "s", args->n);

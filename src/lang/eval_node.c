@@ -94,7 +94,9 @@ static void set_prop(Evaluator *evaluator, Stmt *stmt, Target *target)
 static void set_macro_arg(Evaluator *evaluator, Stmt *stmt, Target *target)
 {
     const Def *def = target->def;
+    uint64_t given = 0;
     for (uint32_t i = 0; i < def->n_formals; i++) {
+        if (target->args[i].kind != VALUE_UNSET && i < 64) given |= (uint64_t)1 << i;
         if (def->formals[i].name != stmt->as.prop.name) continue;
         if (target->args[i].kind != VALUE_UNSET && !stmt->reported) {
             stmt->reported = true;
@@ -105,7 +107,7 @@ static void set_macro_arg(Evaluator *evaluator, Stmt *stmt, Target *target)
     }
     if (stmt->reported) return;
     stmt->reported = true;
-    eval_report_formal(evaluator, def, stmt->as.prop.name->text, stmt->span);
+    eval_report_formal(evaluator, def, given, stmt->as.prop.name->text, stmt->span);
 }
 
 void eval_prop_stmt(Evaluator *evaluator, Stmt *stmt)

@@ -204,8 +204,9 @@ bool eval_sequence(Evaluator *evaluator, Expr *expr, Value *value);
 EvalFunction eval_call_def, eval_call_builtin, eval_call_term;
 /* The medium or the like that a function makes is named so, if the expression, which is evaluated next, is a call of one. */
 void eval_name_result(Evaluator *evaluator, const Expr *expr, const char *name);
-/* That a def has no parameter of that name. */
-void eval_report_formal(Evaluator *evaluator, const Def *def, const char *wrong, Span span);
+/* That a def has no parameter of that name. given: bit i where formal i, of the first 64, has its argument already, so that it is
+ * not the one that is meant. */
+void eval_report_formal(Evaluator *evaluator, const Def *def, uint64_t given, const char *wrong, Span span);
 /* The function that an EXPR_FUNCTION names, with all that is visible in it as it is now; NULL after a report.
  * on_surface: it is asked for places on a surface, not for points. */
 const EvalFunctionValue *eval_capture(Evaluator *evaluator, Expr *expr, bool on_surface);

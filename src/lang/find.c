@@ -5,6 +5,7 @@
 
 #include "base/file.h"
 #include "base/file_reads.h"
+#include "diag/suggest.h"
 #include "lang/evaluator.h"
 
 #ifndef MEN_DATA_FOLDER
@@ -138,13 +139,24 @@ static const char *search_file(Search *search, const EvalLibraryFile **library)
     return path;
 }
 
+/* "glassware" of std/glassware.mns: what all of them begin and end with makes nothing alike. */
+static const char *library_stem(Arena *arena, const char *name)
+{
+    size_t length = strlen(name), folder = strncmp(name, "std/", 4) == 0 ? 4 : 0;
+    size_t end = length > folder + 4 && strcmp(name + length - 4, ".mns") == 0 ? length - 4 : length;
+    return arena_copy_text(arena, name + folder, end - folder);
+}
+
 static void suggest_library(const Search *search, Diagnostic *report)
 {
     const EvalLibrary *library = search->options->library;
+    Diag *diag = search->diag;
     if (!library) return;
-    const char **names = ARENA_ARRAY(search->diag->arena, const char *, library->n_files);
-    for (size_t i = 0; i < library->n_files; i++) names[i] = library->files[i].name;
-    diag_suggest(search->diag, report, search->name, names, library->n_files);
+    const char **stems = ARENA_ARRAY(diag->arena, const char *, library->n_files);
+    for (size_t i = 0; i < library->n_files; i++) stems[i] = library_stem(diag->arena, library->files[i].name);
+    const char *near = suggest_nearest(library_stem(diag->arena, search->name), stems, library->n_files);
+    for (size_t i = 0; near && i < library->n_files; i++)
+        if (stems[i] == near) diag_hint(diag, report, "did you mean '%s'?", library->files[i].name);
 }
 
 /* Where it is looked for first: whoever waits for changes waits for it to be there. */

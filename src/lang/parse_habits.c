@@ -561,7 +561,8 @@ static bool parse_foreign_import(Parser *parser, Path path)
     return true;
 }
 
-/* "medium red = glass { ior = 1.6 }": a variety of a prototype, behind the type */
+/* "medium red = glass { ior = 1.6 }": a variety of a prototype, behind the type; outside of nodes, where no property can be meant,
+ * also "medium head = media.foam()" and "medium red = glass" */
 static bool parse_typed_instance(Parser *parser, Path path)
 {
     Look look;
@@ -574,12 +575,16 @@ static bool parse_typed_instance(Parser *parser, Path path)
         last = lexer_next(&look.lexer);
         behind = lexer_next(&look.lexer);
     }
-    if (last.kind != TOKEN_NAME || behind.kind != TOKEN_BRACE_OPEN) return false;
+    bool block = behind.kind == TOKEN_BRACE_OPEN;
+    if (last.kind != TOKEN_NAME || !(block || (!parser->node && !lacks_opening_brace(parser)))) return false;
     const char *name = parser->token.as.symbol->text, *prototype = quote(parser, begin, last.end);
     consume(parser);
     Diagnostic *report = expected_error(parser, "'{'");
     parser->panic = false;
-    diag_hint(parser->diag, report, "write: let %s = %s { ... }", name, prototype);
+    diag_hint(parser->diag, report, "write: let %s = %s%s", name, prototype,
+              block                             ? " { ... }"
+              : behind.kind == TOKEN_PAREN_OPEN ? "(...)"
+                                                : "");
     consume(parser);
     parse_expr(parser);
     return true;
