@@ -10,6 +10,7 @@ use "std/gems.mns" as gems
 use "std/glassware.mns" as glassware
 use "std/lights.mns" as lights
 use "std/media.mns" as media
+use "std/optics.mns" as optics
 use "std/shapes.mns" as shapes
 use "std/studio.mns" as studio
 group { glassware.tumbler { drink = media.whisky }  translate(<-5 * 30cm, 0, 0>) }
@@ -54,6 +55,11 @@ assert(hit(group { shapes.sheet(20mm, 30mm) }, <0, 9mm, -9mm>, z).normal.z > .99
 assert(len(shapes.path_frames([x, y], z)) == 2 and length(shapes.disc_point(1, 2, 3mm)) <= 3mm)
 assert(len(shapes.hold_edges([<0, 0>, <9, 0>, <9, 1>], 1)) == 5)
 assert(len(shapes.hold_edges([for (a in 0..90 by 5) 100 * <cos(a), sin(a)>, <0, 200>], 1)) == 24)  // held: the ends alone
+group { optics.lens()  translate(<-5 * 30cm, 0, 120cm>) }
+group { optics.lens { front = none  back = -40mm }  translate(<-4 * 30cm, 0, 120cm>) }
+group { optics.fresnel_lens()  translate(<-3 * 30cm, 0, 120cm>) }
+group { optics.corner_cube()  translate(<-2 * 30cm, 0, 120cm>) }
+assert(abs(optics.lens_focus(front = none, back = 50mm, n = 1.5) - 100mm) < 1e-6mm)
 let ball = sphere { radius = 2mm  interior = media.borosilicate }
 sphere { radius = 2mm  interior = media.foam()  center = <10 * 30cm, 0, 40cm> }
 group { shapes.ring(4, 20mm) { ball { } }  translate(<6 * 30cm, 0, 40cm>) }
@@ -71,6 +77,7 @@ lights.softbox()
 lights.strip { power = 3  color = lights.tungsten() }
 lights.softbox { from = <-700mm, 700mm, 500mm>  angle = 30 }
 lights.laser { wavelength = 633 }
+lights.laser { from = <-600mm, 220mm, 0>  wavelength = 650nm }
 lights.window()
 lights.lamp { color = lights.candle_light() }
 lights.lamp { at = <100mm, 900mm, 0>  color = lights.illuminant_a()  power = 2 }
@@ -375,4 +382,56 @@ SCENE
 run check bulb.mns --werror
 exits 0
 says out "hollow inside bulb: hollow on top, by containment"
+end
+
+# The part of a ray's direction across the axis over that along it, of a light that comes up along y at a radius
+slope_at() {
+    run check bench.mns --ray="$1,-50,0:0,1,0" --ray-least 20% --ray-wavelength 587.6
+    exits 0
+    sed -n 's/^.*leaves the scene along \([^,]*\), \([^,]*\),.*/\1 \2/p' out | awk '{ print $1 / $2 }'
+}
+
+begin "std: lenses of every form have their focal length, and a corner cube sends light back"
+for form in "front = 50, back = 50" "front = none, back = 40" "front = -60, back = none" "front = 30, back = -80" "front = -40, back = -40"; do
+    cat > bench.mns << SCENE
+meniscus 1.0 unit mm
+use "std/optics.mns" as optics
+print(optics.lens_focus($form, thickness = 7))
+optics.lens($form, thickness = 7)
+camera { from = <0, 0, 200>  to = <0, 0, 0> }
+environment { }
+SCENE
+    slope=$(slope_at .5)
+    awk "BEGIN { f = $(cat err); exit !(sqrt((-.5 / ($slope) / f - 1) ^ 2) < 1e-3) }" || flunk "$form: $slope, not of $(cat err)"
+done
+cat > bench.mns << 'SCENE'
+meniscus 1.0 unit mm
+use "std/optics.mns" as optics
+optics.fresnel_lens { focus = 100  diameter = 100  rings = 25 }
+group { optics.corner_cube()  rotate(x, 180)  translate(<200, 0, 0>) }
+camera { from = <0, 0, 400>  to = <0, 0, 0> }
+environment { }
+SCENE
+for middle in 11 25 47; do # of a groove, through which light meets at the focus
+    slope=$(slope_at $middle)
+    awk "BEGIN { exit !(sqrt((-$middle / ($slope) / 100 - 1) ^ 2) < 2e-3) }" || flunk "at $middle: $slope"
+done
+run check bench.mns --ray=203,-50,2:.05,1,.1 --ray-least 20%
+matches out '  mirrored totally, in n_bk7 '
+says out "turned by 180° in all"
+end
+
+begin "std: a lens that cannot be says why"
+cat > bench.mns << 'SCENE'
+meniscus 1.0 unit mm
+use "std/optics.mns" as optics
+optics.lens { thickness = 2 }
+optics.lens { front = 10 }
+optics.fresnel_lens { rings = 3 }
+SCENE
+run check bench.mns
+exits 3
+says err "it needs a thickness of more than 3.17"
+says err "a face of a radius of less than 12.5, half of the diameter, does not reach the rim"
+says err "more rings make it less deep"
 end
