@@ -170,8 +170,14 @@ static Status unknown_name(Parser *parser, const char *name, size_t length)
     const char *near = suggest_nearest(wrong, names, n);
     if (!near && !habit) near = only_one_with_start(wrong, length, names, n);
     if (habit && !near) return fail(parser->error, STATUS_USAGE, "unknown option '--%s'; here it is %s", wrong, habit);
-    return fail(parser->error, STATUS_USAGE, "unknown option '--%.*s'%s%s%s", (int)length, name,
-                near ? "; did you mean '--" : "", near ? near : "", near ? "'?" : "");
+    if (near)
+        return fail(parser->error, STATUS_USAGE, "unknown option '--%.*s'; did you mean '--%s'?", (int)length, name,
+                    near);
+    if (command_has_option(command, OPTION_DEFINE) && !strchr(wrong, '-'))
+        return fail(parser->error, STATUS_USAGE,
+                    "unknown option '--%.*s'; a parameter of the scene is set by '-D %s=...'", (int)length, name,
+                    wrong);
+    return fail(parser->error, STATUS_USAGE, "unknown option '--%.*s'", (int)length, name);
 }
 
 static bool is_list(OptionKind kind)

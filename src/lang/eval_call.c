@@ -104,7 +104,7 @@ static int formal_of(const Def *def, const Symbol *name)
 }
 
 /* diameter = 6, where there is a radius */
-static const char *habit_formal(Arena *arena, const char *wrong, const char *const *words, size_t n)
+static const char *alike_formal(Arena *arena, const char *wrong, const char *const *words, size_t n)
 {
     const char *other;
     for (unsigned number = 0; (other = habit_property("", wrong, number)); number++)
@@ -127,15 +127,18 @@ static uint64_t named_formals(const Def *def, const Args *args)
 
 void eval_report_formal(Evaluator *evaluator, const Def *def, uint64_t given, const char *wrong, Span span)
 {
-    const char *words[BUILTIN_MAX_ARGS];
-    size_t n = 0;
-    for (uint32_t i = 0; i < def->n_formals && n < COUNT_OF(words); i++)
-        if (i >= 64 || !(given >> i & 1)) words[n++] = def->formals[i].name->text;
+    const char *all[BUILTIN_MAX_ARGS], *words[BUILTIN_MAX_ARGS];
+    size_t n_all = 0, n = 0;
+    for (; n_all < def->n_formals && n_all < COUNT_OF(all); n_all++) {
+        all[n_all] = def->formals[n_all].name->text;
+        if (n_all >= 64 || !(given >> n_all & 1)) words[n++] = all[n_all];
+    }
     Diagnostic *report =
         eval_report(evaluator, D_WRONG_ARGUMENT, span, "'%s' has no parameter '%s'", def->name->text, wrong);
-    const char *habit = habit_formal(evaluator->diag->arena, wrong, words, n);
-    if (habit)
-        diag_hint(evaluator->diag, report, "write: %s", habit);
+    const char *advice = habit_formal(all, n_all, wrong);
+    const char *habit = advice ? NULL : alike_formal(evaluator->diag->arena, wrong, words, n);
+    if (advice || habit)
+        diag_hint(evaluator->diag, report, habit ? "write: %s" : "%s", habit ? habit : advice);
     else
         diag_suggest(evaluator->diag, report, wrong, words, n);
     diag_note(evaluator->diag, report, def->span, "declared here");

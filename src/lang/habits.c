@@ -24,6 +24,7 @@
 #define HABIT_INSTEAD(property, words, text)
 #define HABIT_PROPERTY(node, word, property)
 #define HABIT_ADVICE(node, word, text)
+#define HABIT_FORMAL(formal, words, text)
 #define HABIT_PATTERN(node, property, text)
 #define HABIT_UNIT(word, unit)
 #define HABIT_UNLIKELY(node, property, from, to, what, text)
@@ -183,6 +184,14 @@ static const NodeRow advice_rows[] = {
 #include "lang/habit_properties.def"
 #undef HABIT_ADVICE
 #define HABIT_ADVICE(node, word, text)
+};
+
+static const NodeRow formal_rows[] = {
+#undef HABIT_FORMAL
+#define HABIT_FORMAL(formal, words, text) {formal, words, text},
+#include "lang/habit_properties.def"
+#undef HABIT_FORMAL
+#define HABIT_FORMAL(formal, words, text)
 };
 
 static const NodeRow pattern_rows[] = {
@@ -372,6 +381,17 @@ const char *habit_assignment(Arena *arena, const char *candidate, const char *va
 const char *habit_advice(const char *node, const char *word)
 {
     return find_of_node(advice_rows, COUNT_OF(advice_rows), node, word);
+}
+
+const char *habit_formal(const char *const *formals, size_t n, const char *word)
+{
+    for (size_t i = 0; i < COUNT_OF(formal_rows); i++) {
+        if (!habit_is_one_of(formal_rows[i].word, word)) continue;
+        if (!*formal_rows[i].node) return formal_rows[i].text;
+        for (size_t k = 0; k < n; k++)
+            if (strcmp(formals[k], formal_rows[i].node) == 0) return formal_rows[i].text;
+    }
+    return NULL;
 }
 
 const char *habit_pattern(const char *node, const char *property)

@@ -49,6 +49,8 @@ const char *habit_property_of(const char *node, const char *word);              
 const char *habit_assignment(Arena *arena, const char *candidate, const char *value);
 /* Of a word in a node of that type: a hint. */
 const char *habit_advice(const char *node, const char *word);
+/* Of a word that is no parameter of a def with these formals: a hint. */
+const char *habit_formal(const char *const *formals, size_t n, const char *word);
 /* Of a property of such a node that takes no texture, where one stands: a hint, with '@' for the texture. */
 const char *habit_pattern(const char *node, const char *property);
 /* What to do with a text that begins so. */

@@ -236,7 +236,16 @@ static void hint_node(const Check *check, const Value *value, Diagnostic *report
         if (wanted->props[i].flags & PROP_TEXTURE)
             diag_hint(diag, report, "write: %s { %s = %s { ... } }", wanted->name, wanted->props[i].name,
                       value->as.node->type->name);
+    for (size_t i = 0; wanted && texture && !report->hint && i < wanted->n_props; i++)
+        if (wanted->props[i].kind == PROP_FUNCTION) /* density = gradient { } */
+            diag_hint(diag, report, "write: %s = %s { %s = f }, with: def f(p) = ... of a place", check->type->name,
+                      wanted->name, wanted->props[i].name);
     if (value->kind == VALUE_NUMBER) hint_measure(check, UNIT_NONE, report);
+    if (value->kind == VALUE_LIST && wanted && strcmp(wanted->name, "medium") == 0)
+        diag_hint(
+            diag, report,
+            "one medium fills an object; further ones are of objects of their own in the same place, of which one is "
+            "on top, or which add to it by mixes = true");
     /* a bare number is most likely what such a node has first: the index of a medium, the albedo of a surface */
     bool number = value->kind == VALUE_NUMBER && wanted && wanted->n_props > 0;
     if (number && (wanted->props[0].kind == PROP_NUMBER_OR_TERM || wanted->props[0].kind == PROP_COLOR))

@@ -46,6 +46,8 @@ group { shapes.bubbles(5)  translate(<0, 0, 40cm>) }
 group { shapes.bubble_chain(5)  translate(<1 * 30cm, 0, 40cm>) }
 group { shapes.drop { interior = media.water }  translate(<2 * 30cm, 0, 40cm>) }
 group { shapes.droplets { n = 5  interior = media.water }  translate(<3 * 30cm, 0, 40cm>) }
+let glass = group { glassware.tumbler() }
+group { glass { }  glassware.dew { on = glass  n = 5 }  translate(<-1 * 30cm, 0, 120cm>) }
 group { shapes.ice_cube { interior = media.ice  bubbles = 5 }  translate(<4 * 30cm, 0, 40cm>) }
 group { shapes.rod { path = [for (a in 0..90 by 5) 40mm * <cos(a), sin(a), 0>]  interior = media.acrylic }  translate(<5 * 30cm, 0, 40cm>) }
 shapes.sheet { width = 20mm  height = 30mm  surface = surface { thin = true  transmission = 1  ior = 1.5 } }
@@ -382,6 +384,28 @@ SCENE
 run check bulb.mns --werror
 exits 0
 says out "hollow inside bulb: hollow on top, by containment"
+end
+
+begin "std: dew is on the outside of a glass, up to its height, and no air is below it"
+for glass in "tumbler { flare = 6mm  drink = media.water }" "wine_glass { drink = media.red_wine }" "vase { drink = media.water }"; do
+    cat > dew.mns << SCENE
+meniscus 1.0 unit mm
+use "std/glassware.mns" as glassware
+use "std/media.mns" as media
+let glass = group { glassware.$glass }
+glass { }
+let drops = group { glassware.dew { on = glass  n = 40  top = 80mm } }
+drops { }
+assert(bounds(drops).max.y < 83, "too high")
+for (i in 1..200) { let s = scatter(drops, 1, i)  assert(dot(s.point.xz, s.point.xz) > 2, s) }
+camera { from = <0, 150, 400>  to = <0, 62, 0> }
+environment { }
+SCENE
+    run check dew.mns --werror
+    exits 0
+    says_not out "leave a gap"
+    says_not out "drink overlaps lathe"
+done
 end
 
 # The part of a ray's direction across the axis over that along it, of a light that comes up along y at a radius

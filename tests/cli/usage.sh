@@ -25,6 +25,7 @@ refuses "unknown command 'rendr'; did you mean 'render'?" rendr small.mns
 refuses "unknown command 'xyzzy'" xyzzy
 refuses "unknown option '--sp'; did you mean '--spp'?" render --sp 3 small.mns
 refuses "unknown option '--bogus'" small.mns --bogus
+refuses "unknown option '--level'; a parameter of the scene is set by '-D level=...'" small.mns --level 9
 refuses "unknown option '--time'; did you mean '--time-limit'?" render --time 10s small.mns
 refuses "unknown option '--sample'; here it is --spp 32" render --sample 10 small.mns
 refuses "unknown option '--s'" render --s 10 small.mns
