@@ -17,7 +17,8 @@ typedef struct ImportOptions {
     const char *stem;        /* what pictures of the scene, and within the mesh file, are called after */
     double unit_m;           /* of the mesh file; 0: as its format says, else as is likely */
     bool up_z;               /* its z axis points up */
-    ImportFloor floor;       /* auto: with lights of the studio, unless something lies below all else */
+    ImportFloor
+        floor; /* auto: with lights of the studio, or below what is all clear, unless something lies below all else */
 } ImportOptions;
 
 /* A picture within the mesh file, and the name that the scene has for it. The bytes are the source's. */

@@ -152,6 +152,14 @@ static double azimuth_of_view(const Importer *im)
     return fabs(along.x) + fabs(along.z) > 0.01 ? atan2(-along.x, -along.z) / MEN_DEGREE : azimuth;
 }
 
+/* Glass alone is black but for its glints, however bright the lamps are: nothing is there that they light. */
+static bool all_clear(const Importer *im)
+{
+    for (size_t i = 0; i < im->n_items; i++)
+        if (!import_material_of(im, &im->items[i])->clear) return false;
+    return im->n_items > 0;
+}
+
 static void write_studio(Importer *im)
 {
     Box3 box = im->shown;
@@ -162,6 +170,10 @@ static void write_studio(Importer *im)
         import_say(im, "The file has no light: paper and lights of the standard library, around what it shows.");
     else if (im->dark)
         import_say(im, "The file has no light: lights of the standard library, around what it shows.");
+    else if (all_clear(im))
+        import_say(im,
+                   "All that the file shows is clear, and there is nothing that its lights would fall on: paper of the "
+                   "standard library, to stand on.");
     else
         import_say(im, "Paper of the standard library, to stand on.");
     import_write_comment(im);
@@ -201,7 +213,7 @@ void import_choose_lights(Importer *im)
     ImportFloor floor = im->options->floor;
     im->exposure = choose_exposure(im);
     im->dark = im->source->n_lights == 0 && !any_shines(im);
-    im->paper = floor == FLOOR_ON || (floor == FLOOR_AUTO && im->dark && !has_floor(im));
+    im->paper = floor == FLOOR_ON || (floor == FLOOR_AUTO && (im->dark || all_clear(im)) && !has_floor(im));
 }
 
 void import_write_lights(Importer *im)

@@ -196,6 +196,22 @@ while read -r line; do printf '%s' "$line" > line; is_json line; done < err
 is_a_scene drink.mns
 end
 
+begin "import: what is all clear stands on paper, as lamps would light nothing else"
+models
+run import clear.glb
+exits 0
+says clear.mns 'studio.sweep'
+says clear.mns 'nothing that its lights would fall on'
+says_not clear.mns 'studio.product_lights'
+is_a_scene clear.mns
+run clear.mns -s 16 --size 64x48 -q -o clear.exr
+run compare clear.exr clear.exr
+mean=$(awk '/^mean of A/ { print $5 * 2 ^ -6 }' out) # the exposure of the scene is -6
+awk "BEGIN { exit !($mean > .1) }" || flunk "it is dark: $mean"
+run import clear.glb -f --floor off
+says_not clear.mns 'studio.sweep'
+end
+
 begin "import: a cut gem, by the instructions of its cutter"
 cp "$root/examples/assets/brilliant.asc" .
 run import brilliant.asc

@@ -143,6 +143,15 @@ def drink():
     g.write("drink.glb")
 
 
+def clear():
+    """Glass and a lamp, and nothing that the lamp lights."""
+    g = Glb()
+    g.node("Tumbler", mesh=g.mesh(g.primitive(lathe(TUMBLER), g.material("Glass", extensions=CLEAR))))
+    g.root["extensions"] = {"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 54351}]}}
+    g.node("Light", translation=[.4, .6, .3], extensions={"KHR_lights_punctual": {"light": 0}})
+    g.write("clear.glb")
+
+
 def odd():
     """Names that are none, and twice, and words of the language; a child within its parent; two materials in one mesh."""
     g = Glb()
@@ -227,5 +236,5 @@ def others():
 
 
 if __name__ == "__main__":
-    for make in (drink, odd, kinds, obj, others):
+    for make in (drink, clear, odd, kinds, obj, others):
         make()
