@@ -124,6 +124,7 @@ static void hints_name_what_there_is(void **state)
 #define HABIT_CHOICE(property, word, choice)
 #define HABIT_INSTEAD(property, words, text)
 #define HABIT_ADVICE(node, word, text)
+#define HABIT_FORMAL(formal, words, text)
 #define HABIT_UNIT(word, unit)
 #define HABIT_PATTERN(node, property, text) {node, property},
 #define HABIT_FILE(beginnings, text)
