@@ -110,8 +110,10 @@ static void test_load_by_extension(void **state)
     (void)state;
     Mesh *mesh = NULL;
     Error error;
-    assert_int_equal(mesh_load("a/b.stp", NULL, &mesh, &error), STATUS_INPUT);
+    assert_int_equal(mesh_load("a/b.xyz", NULL, &mesh, &error), STATUS_INPUT);
     assert_non_null(strstr(error.text, ".ply, .obj, .stl, .gltf, .glb and .asc can be read"));
+    assert_int_equal(mesh_load("a/b.stp", NULL, &mesh, &error), STATUS_INPUT);
+    assert_non_null(strstr(error.text, "export .glb or .stl"));
     assert_int_equal(mesh_load("noextension", NULL, &mesh, &error), STATUS_INPUT);
     assert_int_equal(mesh_load("there-is-no-such-file.PLY", NULL, &mesh, &error), STATUS_INPUT);
     assert_non_null(strstr(error.text, "there-is-no-such-file.PLY"));
