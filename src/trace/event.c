@@ -92,9 +92,9 @@ static uint32_t upper_owner(const CompiledScene *compiled, uint32_t from, uint32
     return nest_decide(compiled->hulls, &overlap).top;
 }
 
-static bool is_operand_of(const CompiledScene *compiled, uint32_t pass, uint32_t tree)
+static bool is_operand_of(const CompiledScene *compiled, uint32_t hull, uint32_t tree)
 {
-    return pass != SCENE_NONE && pass >= compiled->order.n_hulls && nest_csg_tree(&compiled->csg, pass) == tree;
+    return hull != SCENE_NONE && hull >= compiled->order.n_hulls && nest_csg_tree(&compiled->csg, hull) == tree;
 }
 
 /* Whether the operand of a hit alone makes the difference between inside and outside of its combination, at what is in a list; that
