@@ -53,7 +53,7 @@ typedef struct EvalProp {
         struct {
             size_t n;
             union {
-                const double *numbers;    /* PROP_NUMBERS n, PROP_VECTORS2 2n, PROP_VECTORS3 and PROP_VECTOR3_OR_LIST 3n */
+                const double *numbers; /* PROP_NUMBERS n, PROP_VECTORS2 2n, PROP_VECTORS3 and PROP_VECTOR3_OR_LIST 3n */
                 const char *const *texts; /* PROP_STRINGS */
                 const EvalNode *const *nodes;
             };

@@ -26,9 +26,9 @@ typedef enum PropKind {
     PROP_VECTORS2,
     PROP_VECTORS3,
     PROP_VECTOR3_OR_LIST, /* one is as good as a list of one */
-    PROP_NUMBER_LISTS,  /* a list of lists of numbers */
-    PROP_VECTOR2_LISTS, /* a list of vectors, or a list of such lists */
-    PROP_STRINGS,       /* or bare words, when `choices` lists them */
+    PROP_NUMBER_LISTS,    /* a list of lists of numbers */
+    PROP_VECTOR2_LISTS,   /* a list of vectors, or a list of such lists */
+    PROP_STRINGS,         /* or bare words, when `choices` lists them */
     PROP_NODES,
     PROP_RAMP,    /* a list of numbers and colours, or of [position, number or colour] */
     PROP_FUNCTION /* the name of a def that is a function of a point: f(p), or f(x, y, z) */

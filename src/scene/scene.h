@@ -202,8 +202,8 @@ typedef struct SceneCamera {
     Vec3 from;
     Vec3 right, up, forward; /* orthonormal */
     SceneProjection projection;
-    double half_width; /* of the picture: perspective, at distance 1; orthographic, a length; others, radians */
-    double shift[2];   /* of perspective: where at distance 1 the picture's middle is, to the right and up */
+    double half_width;  /* of the picture: perspective, at distance 1; orthographic, a length; others, radians */
+    double shift[2];    /* of perspective: where at distance 1 the picture's middle is, to the right and up */
     double lens_radius; /* 0: pinhole; of a disc as large as the iris, where there is one */
     double lens_reach;  /* how far its points are from its middle: the same for a disc */
     SceneIris iris;

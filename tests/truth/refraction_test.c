@@ -522,8 +522,7 @@ static void spectrum_through_a_pane(void **state)
         for (int k = 0; k < BANDS; k++) {
             char what[60];
             snprintf(what, sizeof what, "%d nm %s", 400 + 10 * k, pane ? "through a pane" : "of a wall");
-            double scale =
-                found[0][15].mean / light_at(550, false); /* lights are as bright as their radiance says */
+            double scale = found[0][15].mean / light_at(550, false); /* lights are as bright as their radiance says */
             truth_expect(what, scale * light_at(400 + 10 * k, pane), found[pane][k], 4.5, 0.02);
         }
 }

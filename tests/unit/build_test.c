@@ -676,7 +676,7 @@ static void cameras_look_where_they_should(void **state)
     REFUSED("camera { from = <0, 0, 9> aperture = 1 focus = [] }", D_VALUE_OUT_OF_RANGE);
     REFUSED("camera { from = <0, 0, 9> aperture = 1 focus = [0 * x, x, y, z] }", D_VALUE_OUT_OF_RANGE);
     REFUSED("camera { from = <0, 0, 9> aperture = 1 focus = [0 * x, 10 * z] }", D_VALUE_OUT_OF_RANGE);
-    REFUSED("camera { from = <0, 0, 9> aperture = 1 focus = [0 * x, x] }", D_DEGENERATE_SHAPE);      /* across anyway */
+    REFUSED("camera { from = <0, 0, 9> aperture = 1 focus = [0 * x, x] }", D_DEGENERATE_SHAPE);  /* across anyway */
     REFUSED("camera { from = <0, 0, 9> aperture = 1 focus = [-1 * z, z] }", D_DEGENERATE_SHAPE); /* seen edge-on */
     REFUSED("camera { from = <0, 0, 9> aperture = 1 focus = [0 * x, x + y, 2 * (x + y)] }", D_DEGENERATE_SHAPE);
     REFUSED("camera { from = <0, 0, 9> projection = orthographic width = 4 aperture = 1 focus = [x, x + y, x + z] }",
