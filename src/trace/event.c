@@ -195,16 +195,23 @@ const Hit *path_boundary_hit(Tracer *tracer, const NestList *before, const Hit *
     return LIKELY(n == 1) ? hits : boundary_hit_of_several(tracer, before, hits, n, crossing);
 }
 
+/* Of several the upper owner's, as of boundary_hit_of_several. */
 ATTR_APART const Hit *path_painted_hit(const World *world, const Hit *hits, size_t n, uint32_t from, uint32_t to)
 {
     const CompiledScene *compiled = world->compiled;
-    if (from == to && compiled->order.policy != NEST_NONE) return NULL;
+    const NestOrder *order = &compiled->order;
+    const bool any = order->policy == NEST_NONE;
+    if (from == to && !any) return NULL;
+    const uint32_t upper =
+        any || n == 1 ? 0 : order->top[upper_owner(compiled, order->hull_at[from], order->hull_at[to])].level;
+    const Hit *other = NULL;
     for (size_t i = 0; i < n; i++) {
         if (!scene_is_painted(world->scene, hits[i].object)) continue;
-        uint32_t level = level_of(compiled, &hits[i]);
-        if (level && (level == from || level == to || compiled->order.policy == NEST_NONE)) return &hits[i];
+        const uint32_t level = level_of(compiled, &hits[i]);
+        if (level && (level == upper || any)) return &hits[i];
+        if (level && (level == from || level == to) && !other) other = &hits[i];
     }
-    return NULL;
+    return other;
 }
 
 /* Crosses several surfaces at one place into tracer->next; if any is opaque, the one of these that is met is to be shaded. before: the
