@@ -13,6 +13,7 @@
 
 #include "base/array.h"
 #include "base/file_reads.h"
+#include "base/near_file.h"
 
 enum { FIRST_READ = 64 * 1024, TEMPORARY_SUFFIX_ROOM = 40, LONGEST_NAME = 255 };
 
@@ -46,6 +47,15 @@ bool file_same(const char *a, const char *b)
 
 /* ---- reading ---- */
 
+Status file_cannot_read(const char *path, int reason, Error *error)
+{
+    char *near = reason == ENOENT ? file_near(path) : NULL;
+    fail(error, STATUS_INPUT, "cannot read '%s': %s%s%s%s", path, strerror(reason), near ? "; did you mean '" : "",
+         near ? near : "", near ? "'?" : "");
+    free(near);
+    return STATUS_INPUT;
+}
+
 static Status too_large(Error *error, const char *path, size_t limit)
 {
     return fail(error, STATUS_INPUT, "'%s' is larger than the limit of %zu bytes", path, limit);
@@ -66,7 +76,7 @@ static Status read_all(int descriptor, const char *path, size_t expected, size_t
         if (got < 0 && errno == EINTR) continue;
         if (got < 0) {
             free(text);
-            return fail(error, STATUS_INPUT, "cannot read '%s': %s", path, strerror(errno));
+            return file_cannot_read(path, errno, error);
         }
         if (got == 0) break;
         n += (size_t)got;
@@ -86,16 +96,16 @@ Status file_read(const char *path, size_t limit, char **bytes, size_t *length, E
     if (strcmp(path, "-") == 0) return read_all(STDIN_FILENO, "<stdin>", FIRST_READ, limit, bytes, length, error);
     int descriptor = open(path, O_RDONLY | O_CLOEXEC);
     if (descriptor < 0) {
-        fail(error, STATUS_INPUT, "cannot read '%s': %s", path, strerror(errno));
+        (void)file_cannot_read(path, errno, error);
         file_note_missing(path);
         return STATUS_INPUT;
     }
     struct stat info;
     Status status;
     if (fstat(descriptor, &info) != 0)
-        status = fail(error, STATUS_INPUT, "cannot read '%s': %s", path, strerror(errno));
+        status = file_cannot_read(path, errno, error);
     else if (S_ISDIR(info.st_mode))
-        status = fail(error, STATUS_INPUT, "cannot read '%s': %s", path, strerror(EISDIR));
+        status = file_cannot_read(path, EISDIR, error);
     else if (limit && S_ISREG(info.st_mode) && (uintmax_t)info.st_size > limit)
         status = too_large(error, path, limit);
     else if (!file_note_read(path, &info))

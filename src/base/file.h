@@ -9,6 +9,8 @@
 
 #include "base/status.h"
 
+/* STATUS_INPUT, with why: an errno; and where there is no such file the name of one that may be meant. */
+Status file_cannot_read(const char *path, int reason, Error *error);
 /* Reads a whole file into malloc'd memory with a 0 byte behind it (not counted in *length).
  * path "-" is standard input. STATUS_INPUT when it is missing, a directory, unreadable, or larger
  * than limit bytes (0: no limit). What is read is noted, see file_reads.h. */

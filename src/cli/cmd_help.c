@@ -7,7 +7,7 @@
 #include "cli/commands.h"
 #include "cli/library_doc.h"
 #include "cli/reference.h"
-#include "diag/suggest.h"
+#include "base/suggest.h"
 #include "geom/rtc.h"
 #include "lang/habits.h"
 #include "lang/lex.h"

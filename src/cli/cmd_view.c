@@ -9,7 +9,7 @@
 #include "base/file.h"
 #include "cli/commands.h"
 #include "cli/preview.h"
-#include "diag/suggest.h"
+#include "base/suggest.h"
 #include "image/layer.h"
 #include "scene/aov.h"
 

@@ -4,7 +4,7 @@
 
 #include "base/attr.h"
 #include "cli/options.h"
-#include "diag/suggest.h"
+#include "base/suggest.h"
 
 static const CommandRow command_table[] = {
 #define COMMAND(key, name, operands, fewest, most, completes, summary, manual, examples)                               \

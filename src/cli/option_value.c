@@ -6,7 +6,7 @@
 
 #include "base/num.h"
 #include "cli/options.h"
-#include "diag/suggest.h"
+#include "base/suggest.h"
 
 enum { MOST_CHOICES = 16, CHOICE_SIZE = 32 };
 

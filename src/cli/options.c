@@ -10,7 +10,7 @@
 #include <strings.h>
 
 #include "base/file.h"
-#include "diag/suggest.h"
+#include "base/suggest.h"
 
 typedef struct Parser {
     Options *options;

@@ -5,7 +5,7 @@
 
 #include "cli/render_run.h"
 #include "cli/viewpoint.h"
-#include "diag/suggest.h"
+#include "base/suggest.h"
 #include "lang/habits.h"
 
 static uint32_t count_of(const Options *options, OptionKey key, uint32_t otherwise)

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "diag/limits.h"
-#include "diag/suggest.h"
+#include "base/suggest.h"
 
 enum { MOST_LISTED = 12 }; /* words in a note of what there is */
 

@@ -121,7 +121,7 @@ static Status open_bytes(ExrFile *file, Error *error)
     if (strcmp(file->path, "-") != 0) {
         file->bytes.file = open(file->path, O_RDONLY | O_CLOEXEC);
         if (file->bytes.file < 0 || fstat(file->bytes.file, &facts) != 0)
-            return fail(error, STATUS_INPUT, "cannot read '%s': %s", file->path, strerror(errno));
+            return file_cannot_read(file->path, errno, error);
         if (S_ISDIR(facts.st_mode)) return fail(error, STATUS_INPUT, "cannot read '%s': it is a directory", file->path);
         if (S_ISREG(facts.st_mode)) {
             file->bytes.size = (uint64_t)facts.st_size;

@@ -161,7 +161,7 @@ Status image_read_as(const char *path, Image *image, bool *encoded, Error *error
     } else if (stat(path, &facts) == 0 && S_ISREG(facts.st_mode)) {
         unsigned char head[8] = {0};
         int file = open(path, O_RDONLY | O_CLOEXEC);
-        if (file < 0) return fail(error, STATUS_INPUT, "cannot read '%s': %s", path, strerror(errno));
+        if (file < 0) return file_cannot_read(path, errno, error);
         ssize_t length = read(file, head, sizeof head);
         close(file);
         if (length == 0) return fail(error, STATUS_INPUT, "cannot read '%s': the file is empty", path);
@@ -182,7 +182,7 @@ Status image_read_as(const char *path, Image *image, bool *encoded, Error *error
     case FORMAT_HDR: return hdr_read(path, image, error);
     case FORMAT_UNKNOWN: break;
     }
-    if (stat(path, &facts) != 0) return fail(error, STATUS_INPUT, "cannot read '%s': %s", path, strerror(errno));
+    if (stat(path, &facts) != 0) return file_cannot_read(path, errno, error);
     if (S_ISDIR(facts.st_mode)) return fail(error, STATUS_INPUT, "cannot read '%s': it is a directory", path);
     return fail(error, STATUS_INPUT,
                 "cannot read '%s': it is neither an EXR nor a PNG, JPEG or Radiance picture (.hdr)", path);

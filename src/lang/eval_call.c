@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include <string.h>
 
-#include "diag/suggest.h"
+#include "base/suggest.h"
 #include "lang/evaluator.h"
 #include "lang/habits.h"
 

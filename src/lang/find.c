@@ -5,7 +5,8 @@
 
 #include "base/file.h"
 #include "base/file_reads.h"
-#include "diag/suggest.h"
+#include "base/near_file.h"
+#include "base/suggest.h"
 #include "lang/evaluator.h"
 
 #ifndef MEN_DATA_FOLDER
@@ -159,13 +160,21 @@ static void suggest_library(const Search *search, Diagnostic *report)
         if (stems[i] == near) diag_hint(diag, report, "did you mean '%s'?", library->files[i].name);
 }
 
-/* Where it is looked for first: whoever waits for changes waits for it to be there. */
-static void note_missing(const Search *search)
+/* Where it is looked for first. */
+static const char *first_place(const Search *search)
 {
     const Source *source = &search->diag->sources->sources[search->span.source];
     const char *slash = source->path && search->name[0] != '/' ? strrchr(source->path, '/') : NULL;
     int length = slash ? (int)(slash - source->path) + 1 : 0;
-    file_note_missing(arena_format(search->diag->arena, "%.*s%s", length, slash ? source->path : "", search->name));
+    return arena_format(search->diag->arena, "%.*s%s", length, slash ? source->path : "", search->name);
+}
+
+/* A file beside it whose name is like it, in the scene's words. */
+static void hint_near_file(const Search *search, const char *place, Diagnostic *report)
+{
+    char *near = file_near(place);
+    if (near) diag_hint(search->diag, report, "did you mean '%s'?", near + strlen(place) - strlen(search->name));
+    free(near);
 }
 
 /* A name for a message: "C:\textures" has become one with a tab in it. */
@@ -212,7 +221,8 @@ static void report_missing(const Search *search)
                                                 : "not a regular file, but a pipe or a device");
         return;
     }
-    note_missing(search);
+    const char *place = first_place(search);
+    file_note_missing(place); /* whoever waits for changes waits for it to be there */
     Diagnostic *report =
         diag_report(diag, D_FILE_NOT_FOUND, search->span, "no file '%s'", shown_name(diag->arena, search->name));
     if (strpbrk(search->name, "\n\t\\")) diag_hint(diag, report, "write '/' between the folders of a path");
@@ -230,6 +240,7 @@ static void report_missing(const Search *search)
         diag_hint(diag, report,
                   "the folder '%s' is not searched: it is outside of '%s', to which the scene is confined",
                   search->skipped, search->options->confine);
+    if (!report->hint) hint_near_file(search, place, report);
     if (!report->hint && search->name[0] && search->name[0] != '/')
         diag_hint(diag, report,
                   "files are sought beside the one that names them, and in the folders of -I and MENISCUS_PATH");

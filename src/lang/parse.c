@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/array.h"
-#include "diag/suggest.h"
+#include "base/suggest.h"
 #include "lang/habits.h"
 #include "lang/parse_habits.h"
 #include "lang/parser.h"

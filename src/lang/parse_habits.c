@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-#include "diag/suggest.h"
+#include "base/suggest.h"
 #include "lang/builtin.h"
 #include "lang/habits.h"
 

@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "diag/suggest.h"
+#include "base/suggest.h"
 #include "lang/builtin.h"
 #include "lang/habits.h"
 #include "lang/schema_find.h"

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "base/buf.h"
-#include "diag/suggest.h"
+#include "base/suggest.h"
 #include "lang/habits.h"
 #include "lang/resolve.h"
 

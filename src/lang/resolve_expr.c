@@ -7,7 +7,7 @@
 
 #include "base/array.h"
 #include "base/buf.h"
-#include "diag/suggest.h"
+#include "base/suggest.h"
 #include "lang/builtin.h"
 #include "lang/eval.h"
 #include "lang/habits.h"

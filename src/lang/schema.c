@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "base/num.h"
-#include "diag/suggest.h"
+#include "base/suggest.h"
 #include "lang/evaluator.h"
 #include "lang/habits.h"
 #include "lang/lex.h"

@@ -11,7 +11,7 @@
 #include "base/buf.h"
 #include "base/file.h"
 #include "base/hash.h"
-#include "diag/suggest.h"
+#include "base/suggest.h"
 
 static const struct {
     const char *extension;

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "base/hash.h"
 
 #define MAGIC "MNSSTATE"
@@ -353,7 +354,7 @@ static Status take_head(Checkpoint *file, uint64_t length, Error *error)
 Status checkpoint_open(const char *path, Checkpoint *file, Error *error)
 {
     *file = (Checkpoint){.path = path, .stream = fopen(path, "rb")};
-    if (!file->stream) return fail(error, STATUS_INPUT, "cannot read '%s': %s", path, strerror(errno));
+    if (!file->stream) return file_cannot_read(path, errno, error);
     TRY(find_blocks(file, error));
     uint64_t capacity = 0, length;
     TRY(read_block(file, &file->head, &capacity, &length, error));

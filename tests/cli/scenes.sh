@@ -2,6 +2,36 @@
 # SPDX-License-Identifier: Apache-2.0
 : "${scratch:?is set by tests/cli/run.sh, which runs this file}"
 
+begin "files that are not there: the one that may be meant"
+small_scene
+mkdir pictures
+: > pictures/wood.png
+: > colors.mns
+run check smal.mns
+exits 4
+says err "cannot read 'smal.mns': No such file or directory; did you mean 'small.mns'?"
+run check "$scratch/work/Small.mns"
+says err "did you mean '$scratch/work/small.mns'?"
+: > glass.0002.exr
+: > glass.0001.exr
+: > glass.0001.exr.1-1.tmp
+run info glass.exr
+says err "did you mean 'glass.0001.exr'?"
+run view pictures/wod.png -o a.png
+says err "did you mean 'pictures/wood.png'?"
+{ cat small.mns; echo 'sphere { surface = surface { albedo = image { file = "pictures/wodo.png" } } }'; } > textured.mns
+run check textured.mns
+exits 3
+says err "hint: did you mean 'pictures/wood.png'?"
+{ cat small.mns; echo 'use "colros.mns" as c'; } > using.mns
+run check using.mns
+says err "hint: did you mean 'colors.mns'?"
+run info nothing-like-it.exr
+says_not err "did you mean"
+run info nowhere/glass.exr
+says_not err "did you mean"
+end
+
 begin "a missing scene: status 4"
 run render missing.mns
 exits 4

@@ -4,7 +4,7 @@
 
 #include "base/attr.h"
 #include "diag/diag.h"
-#include "diag/suggest.h"
+#include "base/suggest.h"
 
 typedef struct Sink {
     Arena arena;

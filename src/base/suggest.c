@@ -1,6 +1,6 @@
 /* suggest.c - the nearest word by the restricted Damerau-Levenshtein distance over bytes.
  * SPDX-License-Identifier: Apache-2.0 */
-#include "diag/suggest.h"
+#include "base/suggest.h"
 
 #include <string.h>
 
