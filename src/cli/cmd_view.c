@@ -1,4 +1,4 @@
-/* cmd_view.c - the command view: a scene-linear picture as a display shows it.
+/* cmd_view.c - the command view: a scene-linear picture as a display shows it, or several on a sheet.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,6 +11,7 @@
 #include "cli/preview.h"
 #include "base/suggest.h"
 #include "image/layer.h"
+#include "image/sheet.h"
 #include "scene/aov.h"
 
 /* The default display and the default view of each first. */
@@ -165,14 +166,21 @@ static Status choose_part(const Options *options, const Talk *talk, bool says_ex
     return STATUS_OK;
 }
 
-static Status write_png(const Options *options, const ColorConfig *config, const Viewed *viewed, const char *path,
+/* What a display shows of it, into *shown; the picture may be empty then. */
+static Status bring_to_display(const ColorConfig *config, Viewed *viewed, Image *shown, Error *error)
+{
+    if (!viewed->shown) return image_for_display(&viewed->image, config, &viewed->look, shown, error);
+    *shown = viewed->image;
+    viewed->image = (Image){0};
+    return STATUS_OK;
+}
+
+static Status write_png(const Options *options, const ColorConfig *config, Viewed *viewed, const char *path,
                         Error *error)
 {
-    unsigned bits = option_is(options, OPTION_BITS, "16") ? 16 : 8;
-    Image shown;
-    if (viewed->shown) return png_write(path, &viewed->image, bits, error);
-    TRY(image_for_display(&viewed->image, config, &viewed->look, &shown, error));
-    Status status = png_write(path, &shown, bits, error);
+    Image shown = {0};
+    Status status = bring_to_display(config, viewed, &shown, error);
+    if (status == STATUS_OK) status = png_write(path, &shown, option_is(options, OPTION_BITS, "16") ? 16 : 8, error);
     image_clear(&shown);
     return status;
 }
@@ -187,21 +195,93 @@ static Status show(const Options *options, const ColorConfig *config, const View
             fail(error, STATUS_USAGE, "option '--preview' of 'view' takes term or tev; '-o %s' writes a file", where);
     if (status == STATUS_OK && preview.kind == PREVIEW_TERMINAL && viewed->shown)
         status = terminal_preview_show(&preview.terminal, &viewed->image, error);
+    else if (status == STATUS_OK && options->n_operands > 1)
+        status =
+            fail(error, STATUS_USAGE, "'--preview %s' shows one picture, and a sheet in the terminal (term)", where);
     else if (status == STATUS_OK)
         status = preview_show(&preview, &viewed->image, NULL, config, &viewed->look, error);
     preview_close(&preview);
     return status;
 }
 
-static Status view_file(const Options *options, const ColorConfig *config, const Talk *talk, const char *path,
-                        Error *error)
+/* A picture as the options want it. */
+static Status open_picture(const Options *options, const Talk *talk, const char *file, bool says_exposure,
+                           Viewed *viewed, Error *error)
+{
+    const char *layer = option_text(options, OPTION_LAYER, NULL);
+    TRY(read_picture(file, viewed, error));
+    if (layer) TRY(choose_layer(layer, talk, viewed, error));
+    return choose_part(options, talk, says_exposure, viewed, error);
+}
+
+/* The name of a file without its folder and its ending, where that tells it from all others; else as it is given. */
+static char *caption_of(const Options *options, size_t number)
+{
+    const char *path = options->operands[number], *name = file_name(path);
+    size_t length = file_stem_length(name);
+    bool alone = length > 0;
+    for (size_t i = 0; i < options->n_operands; i++) {
+        const char *other = file_name(options->operands[i]);
+        alone = alone && (i == number || file_stem_length(other) != length || strncmp(other, name, length) != 0);
+    }
+    if (!alone) {
+        name = path;
+        length = strlen(path);
+    }
+    char *caption = malloc(length + 1);
+    if (!caption) return NULL;
+    memcpy(caption, name, length);
+    caption[length] = 0;
+    return caption;
+}
+
+/* One of several: what is wrong with it names it. */
+static Status open_for_sheet(const Options *options, const ColorConfig *config, const Talk *talk, const char *file,
+                             Image *shown, Error *error)
+{
+    Viewed one = {.shown = false};
+    Error own;
+    Status status = open_picture(options, talk, file, false, &one, &own);
+    if (status == STATUS_OK) status = bring_to_display(config, &one, shown, &own);
+    image_clear(&one.image);
+    if (status == STATUS_OK) return STATUS_OK;
+    return strstr(own.text, file) ? fail(error, status, "%s", own.text)
+                                  : fail(error, status, "'%s': %s", file, own.text);
+}
+
+/* All of the pictures beside each other, each as a display shows it by itself. */
+static Status open_sheet(const Options *options, const ColorConfig *config, const Talk *talk, Viewed *viewed,
+                         Error *error)
+{
+    size_t n = options->n_operands;
+    SheetPicture *pictures = calloc(n, sizeof *pictures);
+    char **captions = calloc(n, sizeof *captions);
+    Status status = pictures && captions ? STATUS_OK : fail_memory(error, n * sizeof *pictures, "a sheet");
+    for (size_t i = 0; i < n && status == STATUS_OK; i++) {
+        pictures[i].caption = captions[i] = caption_of(options, i);
+        status = captions[i] ? open_for_sheet(options, config, talk, options->operands[i], &pictures[i].image, error)
+                             : fail_memory(error, strlen(options->operands[i]), "a name");
+    }
+    uint32_t columns = options->values[OPTION_COLUMNS].whole[0];
+    if (status == STATUS_OK) status = sheet_new(pictures, n, columns, &viewed->image, error);
+    viewed->shown = true;
+    for (size_t i = 0; i < n && pictures && captions; i++) {
+        image_clear(&pictures[i].image);
+        free(captions[i]);
+    }
+    free(pictures);
+    free(captions);
+    return status;
+}
+
+static Status view_files(const Options *options, const ColorConfig *config, const Talk *talk, const char *path,
+                         Error *error)
 {
     Viewed viewed = {.shown = false};
     const char *where = option_text(options, OPTION_VIEW_PREVIEW, NULL);
-    const char *layer = option_text(options, OPTION_LAYER, NULL);
-    Status status = read_picture(options->operands[0], &viewed, error);
-    if (status == STATUS_OK && layer) status = choose_layer(layer, talk, &viewed, error);
-    if (status == STATUS_OK) status = choose_part(options, talk, path != NULL, &viewed, error);
+    Status status = options->n_operands > 1
+                        ? open_sheet(options, config, talk, &viewed, error)
+                        : open_picture(options, talk, options->operands[0], path != NULL, &viewed, error);
     if (status == STATUS_OK && where) status = show(options, config, &viewed, where, error);
     if (status == STATUS_OK && path) status = write_png(options, config, &viewed, path, error);
     image_clear(&viewed.image);
@@ -214,11 +294,15 @@ Status cmd_view(const Options *options, const Talk *talk, Error *error)
     const char *path = option_text(options, OPTION_VIEW_OUTPUT, NULL);
     if (!list && options->n_operands == 0) return fail(error, STATUS_USAGE, "'view' needs FILE");
     if (!list) TRY(check_output(path, option_text(options, OPTION_VIEW_PREVIEW, NULL), error));
-    OutputClaim claims[] = {{list ? NULL : options->operands[0], "what is viewed"}, {path, "the output"}};
-    TRY(output_check_claims(claims, COUNT_OF(claims), error));
+    if (option_given(options, OPTION_COLUMNS) && options->n_operands < 2)
+        return fail(error, STATUS_USAGE, "'--columns' is about a sheet of several pictures");
+    for (size_t i = 0; !list && i < options->n_operands; i++) {
+        OutputClaim claims[] = {{options->operands[i], "what is viewed"}, {path, "the output"}};
+        TRY(output_check_claims(claims, COUNT_OF(claims), error));
+    }
     ColorConfig *config = NULL;
     TRY(color_config_open(option_text(options, OPTION_OCIO, NULL), &config, error));
-    Status status = list ? list_all(config, error) : view_file(options, config, talk, path, error);
+    Status status = list ? list_all(config, error) : view_files(options, config, talk, path, error);
     color_config_close(config);
     return status;
 }

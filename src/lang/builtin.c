@@ -118,6 +118,18 @@ static void hint_at_brackets(const BuiltinCall *call, const Value *given, const 
         diag_hint(diag, report, "a list stands between '[' and ']': [1, 2, 3]; parts of a vector are v.x, v.y and v.z");
 }
 
+/* Nodes are mixed by what they are made of. */
+static void hint_at_mixed_node(const BuiltinCall *call, const Value *given, Diagnostic *report)
+{
+    if (given->kind != VALUE_NODE || strcmp(call->expr->as.call.name, "mix") != 0) return;
+    Diag *diag = call->evaluator->diag;
+    const char *type = given->as.node->type->name;
+    if (strcmp(type, "surface") == 0)
+        diag_hint(diag, report, "write: surface { mix = [a, b]  weight = .5 }");
+    if (strcmp(type, "medium") == 0)
+        diag_hint(diag, report, "write: medium { ior = mix(1.33, 1.5, .5) }, and so on for its other properties");
+}
+
 /* The axis that stands behind a number, as in rotate(90, x); where there is none, y. */
 static const char *axis_behind(const BuiltinCall *call, uint32_t index)
 {
@@ -147,6 +159,7 @@ void builtin_wrong(const BuiltinCall *call, uint32_t index, const char *wanted, 
         diag_hint(call->evaluator->diag, report, "write: translate(<%g, 0, 0>)", call->args[index].as.number);
     else if (!number)
         hint_at_brackets(call, &call->args[index], wanted, report);
+    hint_at_mixed_node(call, &call->args[index], report);
     result->kind = VALUE_POISON;
 }
 

@@ -2,6 +2,34 @@
 # SPDX-License-Identifier: Apache-2.0
 : "${scratch:?is set by tests/cli/run.sh, which runs this file}"
 
+begin "view: several pictures are a sheet, with their names"
+small_scene
+for i in 1 2 3; do run render small.mns -o "glass-$i.exr" --seed $i -q --aov depth; done
+run view glass-1.exr glass-2.exr glass-3.exr -o sheet.png --columns 3
+exits 0
+run info sheet.png
+wide=$(sed -n 's/^width *//p' out)
+run view glass-?.exr -o sheet.png --columns 1
+run info sheet.png
+narrow=$(sed -n 's/^width *//p' out)
+[ "${wide:-0}" -gt "$((2 * ${narrow:-9999}))" ] || flunk "three columns are $wide wide, one is $narrow"
+run view glass-1.exr glass-2.exr --layer depth -o depth.png
+exits 0
+says err "remark: depth: black is"
+run view glass-1.exr sheet.png --layer depth -o depth.png
+exits 4
+says err "'sheet.png': the picture has no layer 'depth'"
+run view glass-1.exr gone.exr -o sheet.png
+exits 4
+says err "cannot read 'gone.exr'"
+run view glass-1.exr sheet.png -o sheet.png
+exits 2
+says err "is both what is viewed and the output"
+run view glass-1.exr --columns 2 -o sheet.png
+exits 2
+says err "'--columns' is about a sheet of several pictures"
+end
+
 begin "compare --crop: a part of both, or a part that was rendered with the whole"
 cat > ball.mns <<'SCENE'
 meniscus 1.0 unit mm
