@@ -277,18 +277,31 @@ static Status describe(const char *path, Facts *facts, Error *error)
     return describe_picture(path, facts, error);
 }
 
+/* One of several files has its name in front. */
+static Status describe_one(const char *path, bool alone, Facts *facts, Error *error)
+{
+    if (facts->as_json) json_begin_object(&facts->json);
+    if (!alone) add_fact(facts, "file", path);
+    Status status = describe(path, facts, error);
+    if (facts->as_json) json_end(&facts->json);
+    return status;
+}
+
 Status cmd_info(const Options *options, const Talk *talk, Error *error)
 {
     (void)talk;
     Buf out = {0};
     Facts facts = {.as_json = option_given(options, OPTION_JSON), .json = json_writer(&out, true), .out = &out};
     if (isatty(STDOUT_FILENO)) facts.longest = LONGEST_ON_TERMINAL;
-    if (facts.as_json) json_begin_object(&facts.json);
-    Status status = describe(options->operands[0], &facts, error);
-    if (facts.as_json) {
-        json_end(&facts.json);
-        buf_add(&out, "\n");
+    const bool alone = options->n_operands == 1, is_list = facts.as_json && !alone;
+    Status status = STATUS_OK;
+    if (is_list) json_begin_array(&facts.json);
+    for (size_t i = 0; i < options->n_operands && status == STATUS_OK; i++) {
+        if (i > 0 && !facts.as_json) buf_add(&out, "\n");
+        status = describe_one(options->operands[i], alone, &facts, error);
     }
+    if (is_list) json_end(&facts.json);
+    if (facts.as_json) buf_add(&out, "\n");
     if (status == STATUS_OK) status = print_out(&out, error);
     buf_clear(&out);
     return status;

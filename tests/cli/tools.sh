@@ -2,6 +2,25 @@
 # SPDX-License-Identifier: Apache-2.0
 : "${scratch:?is set by tests/cli/run.sh, which runs this file}"
 
+begin "info: several files, each with its name in front"
+small_scene
+run render small.mns -o a.exr -q
+run view a.exr -o b.png
+run info a.exr b.png
+exits 0
+matches out '^file +a\.exr$'
+matches out '^file +b\.png$'
+matches out '^$'
+run info a.exr b.png --json
+is_json out
+[ "$(grep -c '"file": ' out)" -eq 2 ] || flunk "not two files"
+run info a.exr
+says_not out "file  "
+run info a.exr gone.png
+exits 4
+says err "cannot read 'gone.png'"
+end
+
 begin "view: several pictures are a sheet, with their names"
 small_scene
 for i in 1 2 3; do run render small.mns -o "glass-$i.exr" --seed $i -q --aov depth; done
