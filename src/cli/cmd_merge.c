@@ -1,10 +1,11 @@
-/* cmd_merge.c - the command merge: slices of one render into its picture.
+/* cmd_merge.c - the command merge: slices of one render, or parts of one picture, into the whole.
  * SPDX-License-Identifier: Apache-2.0 */
 #include <stdio.h>
 #include <string.h>
 
 #include "base/file.h"
 #include "cli/commands.h"
+#include "cli/merge_tiles.h"
 #include "cli/output.h"
 #include "render/merge.h"
 
@@ -34,7 +35,7 @@ static Status plan_outputs(MergeRun *run, Error *error)
         TRY(output_choose_format(given->items[i], &output->png, error));
         for (size_t k = 0; k < run->options->n_operands; k++)
             if (file_same(run->options->operands[k], given->items[i]))
-                return fail(error, STATUS_USAGE, "'%s' is both a slice and the output", given->items[i]);
+                return fail(error, STATUS_USAGE, "'%s' is both an input and the output", given->items[i]);
         output->path = (char *)(uintptr_t)given->items[i]; /* not freed here */
         TRY(output_probe(output->path, error));
         if (output->png) TRY(color_source_open(&run->color, error));
@@ -68,32 +69,29 @@ static void describe(const MergeRun *run, Described *described)
     }
 }
 
-/* What the slices say of how the picture is shown, and what options say instead. */
-static ColorLook look_of(const MergeRun *run)
+/* What the slices or parts say of how the picture is shown, and what options say instead. */
+static ColorLook look_of(const MergeRun *run, const ImageAttribute *attributes, size_t n)
 {
-    const CheckpointNotes *notes = &run->merge.parts[0].notes;
     ColorLook own = {.alpha = false};
-    for (uint32_t i = 0; i < notes->n_attributes; i++) {
-        const ImageAttribute *attribute = &notes->attributes[i];
+    for (size_t i = 0; i < n; i++) {
+        const ImageAttribute *attribute = &attributes[i];
         double value = attribute->type == ATTRIBUTE_FLOAT ? attribute->number : attribute->whole;
         output_find_look(&own, attribute->name, value);
     }
     return output_look(run->options, &own);
 }
 
-static Status write_outputs(const MergeRun *run, Error *error)
+static Status write_outputs(const MergeRun *run, const Image *image, const ImageAttribute *attributes, size_t n,
+                            Error *error)
 {
-    Described described;
-    describe(run, &described);
     unsigned half = run->options->values[OPTION_HALF].place, full = run->options->values[OPTION_FLOAT].place;
-    ExrOptions exr = {
-        .half = half > full, .attributes = described.items, .n_attributes = described.n, .pool = run->pool};
+    ExrOptions exr = {.half = half > full, .attributes = attributes, .n_attributes = n, .pool = run->pool};
     bool displayed = false;
     for (size_t i = 0; i < run->n_outputs; i++) {
-        TRY(output_write(&run->outputs[i], &run->image, &exr, run->color.config, &run->look, error));
+        TRY(output_write(&run->outputs[i], image, &exr, run->color.config, &run->look, error));
         displayed |= run->outputs[i].png;
     }
-    if (displayed) output_say_exposure(run->talk, &run->image, &run->look);
+    if (displayed) output_say_exposure(run->talk, image, &run->look);
     return STATUS_OK;
 }
 
@@ -110,6 +108,34 @@ static uint32_t warn_of_gaps(const MergeRun *run)
     return missing;
 }
 
+/* Says which pixels no part has; whether there are any. */
+static bool warn_of_missing_parts(const MergeRun *run, Tiles *tiles)
+{
+    enum { MOST = 8 };
+    uint32_t gap[4], n = 0;
+    for (; tiles_take_gap(tiles, gap); n++)
+        if (n < MOST)
+            talk_warning(run->talk, "a part is missing: render it with '--crop %u,%u,%u,%u', and merge again", gap[0],
+                         gap[1], gap[2], gap[3]);
+    if (n > MOST) talk_warning(run->talk, "%u more parts are missing", n - MOST);
+    return n > 0;
+}
+
+static Status merge_tiles(MergeRun *run, Tiles *tiles, Error *error)
+{
+    const Options *options = run->options;
+    TRY(tiles_read(options->operands, options->n_operands, tiles, error));
+    TRY(pool_new(options->values[OPTION_THREADS].whole[0], &run->pool, error));
+    run->look = look_of(run, tiles->items, tiles->n);
+    TRY(write_outputs(run, &tiles->image, tiles->items, tiles->n, error));
+    for (size_t i = 0; i < run->n_outputs && !run->talk->quiet; i++)
+        talk_event(run->talk, "done", "wrote %s (%u x %u, from %zu part%s)",
+                   strcmp(run->outputs[i].path, "-") == 0 ? "standard output" : run->outputs[i].path,
+                   tiles->image.width, tiles->image.height, options->n_operands, plural(options->n_operands));
+    error->text[0] = 0;
+    return warn_of_missing_parts(run, tiles) ? STATUS_STOPPED : STATUS_OK;
+}
+
 static void summarize(const MergeRun *run)
 {
     const RenderStats *stats = &run->stats;
@@ -121,6 +147,22 @@ static void summarize(const MergeRun *run)
                    run->image.height, stats->samples, total, plural(total), run->merge.n, plural(run->merge.n));
 }
 
+static Status merge_slices(MergeRun *run, Error *error)
+{
+    const Options *options = run->options;
+    Described described;
+    TRY(merge_open(options->operands, options->n_operands, &run->merge, error));
+    TRY(pool_new(options->values[OPTION_THREADS].whole[0], &run->pool, error));
+    TRY(merge_read(&run->merge, &run->state, error));
+    run->look = look_of(run, run->merge.parts[0].notes.attributes, run->merge.parts[0].notes.n_attributes);
+    TRY(render_state_resolve(&run->state, run->look.exposure, run->pool, &run->image, &run->stats, error));
+    describe(run, &described);
+    TRY(write_outputs(run, &run->image, described.items, described.n, error));
+    summarize(run);
+    error->text[0] = 0;
+    return warn_of_gaps(run) ? STATUS_STOPPED : STATUS_OK;
+}
+
 static Status merge(MergeRun *run, Error *error)
 {
     const Options *options = run->options;
@@ -129,15 +171,11 @@ static Status merge(MergeRun *run, Error *error)
             return fail(error, STATUS_USAGE, "'-': slices are read twice, and standard input only once; give files");
     if (option_given(options, OPTION_OCIO)) TRY(color_source_open(&run->color, error));
     TRY(plan_outputs(run, error));
-    TRY(merge_open(options->operands, options->n_operands, &run->merge, error));
-    TRY(pool_new(options->values[OPTION_THREADS].whole[0], &run->pool, error));
-    TRY(merge_read(&run->merge, &run->state, error));
-    run->look = look_of(run);
-    TRY(render_state_resolve(&run->state, run->look.exposure, run->pool, &run->image, &run->stats, error));
-    TRY(write_outputs(run, error));
-    summarize(run);
-    error->text[0] = 0;
-    return warn_of_gaps(run) ? STATUS_STOPPED : STATUS_OK;
+    if (!tile_is(options->operands[0])) return merge_slices(run, error);
+    Tiles tiles;
+    Status status = merge_tiles(run, &tiles, error);
+    tiles_clear(&tiles);
+    return status;
 }
 
 Status cmd_merge(const Options *options, const Talk *talk, Error *error)

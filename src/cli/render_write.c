@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cli/merge_tiles.h"
 #include "cli/render_run.h"
 
 enum { MOST_ATTRIBUTES = CHECKPOINT_MOST_ATTRIBUTES, NUMBER_SIZE = 32 };
@@ -13,7 +14,7 @@ typedef struct Attributes {
     size_t n;
     char *owned[2 * MOST_ATTRIBUTES];
     size_t n_owned;
-    char hash[NUMBER_SIZE], seed[NUMBER_SIZE], crossings[NUMBER_SIZE], faults[NUMBER_SIZE];
+    char hash[NUMBER_SIZE], seed[NUMBER_SIZE], crossings[NUMBER_SIZE], faults[NUMBER_SIZE], crop[2 * NUMBER_SIZE];
 } Attributes;
 
 static void add_text(Attributes *attributes, const char *name, const char *text)
@@ -61,6 +62,12 @@ static void describe(const RenderRun *run, bool of_merged, Attributes *attribute
     add_text(attributes, "meniscus/nestingFaults", attributes->faults);
     attributes->items[attributes->n++] =
         (ImageAttribute){.name = "meniscus/samples", .type = ATTRIBUTE_INT, .whole = (int)run->stats.samples};
+    const uint32_t *crop = run->settings.crop;
+    const uint32_t width = crop[2] - crop[0], height = crop[3] - crop[1];
+    if (crop[2] > 0 && (width < run->settings.width || height < run->settings.height)) {
+        snprintf(attributes->crop, sizeof attributes->crop, "%u,%u,%u,%u", crop[0], crop[1], crop[2], crop[3]);
+        add_text(attributes, TILE_ATTRIBUTE, attributes->crop);
+    }
     if (render_is_uneven(&run->settings))
         attributes->items[attributes->n++] = (ImageAttribute){
             .name = "meniscus/meanSamples", .type = ATTRIBUTE_FLOAT, .number = run->stats.mean_samples};

@@ -1,5 +1,7 @@
 /* exr_attributes.c - the attributes of EXR files, as text.
  * SPDX-License-Identifier: Apache-2.0 */
+#include <string.h>
+
 #include "base/buf.h"
 #include "base/num.h"
 #include "image/exr_parts.h"
@@ -149,6 +151,48 @@ Status exr_visit_attributes(const char *path, void (*visit)(void *context, const
         buf_clear(&buf);
     }
     if (status == STATUS_OK) status = exr_file_check_whole(&file, error);
+    exr_file_close(&file);
+    return status;
+}
+
+static bool is_own(const exr_attribute_t *attribute)
+{
+    static const char *const of_all[] = {"type", "name", "pixelAspectRatio", "screenWindowWidth"};
+    for (size_t i = 0; i < COUNT_OF(of_all); i++)
+        if (strcmp(attribute->name, of_all[i]) == 0) return false;
+    return has_text(attribute);
+}
+
+Status exr_visit_own_attributes(const char *path, void (*visit)(void *context, const ImageAttribute *attribute),
+                                void *context, Error *error)
+{
+    ExrFile file;
+    Status status = exr_file_open(path, &file, error);
+    int32_t n = 0;
+    if (status == STATUS_OK && exr_get_attribute_count(file.context, 0, &n) != EXR_ERR_SUCCESS) n = 0;
+    for (int32_t i = 0; status == STATUS_OK && i < n; i++) {
+        const exr_attribute_t *attribute;
+        if (exr_get_attribute_by_index(file.context, 0, EXR_ATTR_LIST_FILE_ORDER, i, &attribute) != EXR_ERR_SUCCESS ||
+            !is_own(attribute))
+            continue;
+        Buf text = {0};
+        ImageAttribute own = {.name = attribute->name};
+        if (attribute->type == EXR_ATTR_INT) {
+            own.type = ATTRIBUTE_INT;
+            own.whole = attribute->i;
+        } else if (attribute->type == EXR_ATTR_FLOAT || attribute->type == EXR_ATTR_DOUBLE) {
+            own.type = ATTRIBUTE_FLOAT;
+            own.number = attribute->type == EXR_ATTR_DOUBLE ? attribute->d : (double)attribute->f;
+        } else {
+            print_attribute(&text, attribute);
+            own.text = buf_text(&text);
+        }
+        if (text.failed)
+            status = fail_memory(error, text.capacity, "an attribute");
+        else
+            visit(context, &own);
+        buf_clear(&text);
+    }
     exr_file_close(&file);
     return status;
 }

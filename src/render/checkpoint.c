@@ -203,7 +203,7 @@ static Status fail_foreign(const char *path, Error *error)
     return fail(
         error, STATUS_INPUT,
         "cannot read '%s': it is a picture without the state of a render, neither a checkpoint nor a slice, which "
-        "'render --checkpoint' and 'render --sample-range' write; parts of a picture ('--crop') are not joined",
+        "'render --checkpoint' and 'render --sample-range' write",
         path);
 }
 

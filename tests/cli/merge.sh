@@ -10,6 +10,50 @@ slices() {
     done
 }
 
+begin "parts of a picture are put together"
+small_scene
+whole='--size 32x24 -s 8 --fireflies keep --denoise off -q --aov normal,samples --half'
+# shellcheck disable=SC2086 # words
+{
+    run render small.mns $whole -o whole.exr
+    run render small.mns $whole --crop 0,0,10,24 -o left.exr
+    run render small.mns $whole --crop 10,0,32,9 -o top.exr
+    run render small.mns $whole --crop 8,9,32,24 -o rest.exr
+}
+run info left.exr
+matches out '^meniscus/crop +0,0,10,24$'
+run merge rest.exr left.exr top.exr -o a.exr -o a.png --half
+exits 0
+says err "wrote a.exr (32 x 24, from 3 parts)"
+run compare a.exr whole.exr --max-rmse 0
+exits 0
+run info whole.exr
+grep -v '^meniscus/[nc][or][io]s' out > expected # the noise is not known, and crossings of what is there twice count twice
+run info a.exr
+grep -v '^meniscus/crossings' out | cmp -s - expected || flunk "the files say other things"
+matches out '^meniscus/crossings +[0-9]+$'
+run merge left.exr top.exr -o b.exr
+exits 75
+there b.exr
+says err "warning: a part is missing: render it with '--crop 10,9,32,24', and merge again"
+run merge left.exr whole.exr -o b.exr
+exits 4
+says err "'whole.exr' is not a part of a picture by 'render --crop', as 'left.exr' is"
+run merge whole.exr left.exr -o b.exr
+exits 4
+says err "neither a checkpoint nor a slice"
+run render small.mns --size 32x24 -s 8 -q --crop 8,9,32,24 -o other.exr
+run merge left.exr other.exr -o b.exr
+exits 4
+says err "they differ in size, or in channels"
+sed -i 's/albedo = .5/albedo = .4/' small.mns
+# shellcheck disable=SC2086
+run render small.mns $whole --crop 8,9,32,24 -o other.exr
+run merge left.exr other.exr -o b.exr
+exits 4
+says err "'left.exr' and 'other.exr' are not of one picture, as there differs: meniscus/sceneHash"
+end
+
 begin "slices of any kind, in any order: the picture of one render, byte for byte"
 kept_scene
 options='--aov all'
@@ -95,7 +139,7 @@ run merge 1..50.exr
 exits 2
 run merge -o 1..50.exr 1..50.exr
 exits 2
-says err 'both a slice and the output'
+says err 'both an input and the output'
 gone merged.exr
 end
 

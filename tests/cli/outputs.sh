@@ -790,7 +790,7 @@ clashes "is both the checkpoint and the preview" render small.mns -o a.exr --che
 gone a.exr
 run render small.mns -o a.exr -q --sample-range 1..1
 exits 0
-clashes "is both a slice and the output" merge a.exr -o ./a.exr
+clashes "is both an input and the output" merge a.exr -o ./a.exr
 cmp -s before.mns textured.mns || flunk "the scene was changed"
 cmp -s before.png tex.png || flunk "the texture was changed"
 cmp -s before.mns scene.exr || flunk "the scene of another name was changed"

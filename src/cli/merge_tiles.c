@@ -1,0 +1,181 @@
+/* merge_tiles.c - which pixels parts of a picture have, and what their files say of the whole.
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "cli/merge_tiles.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What one part says, and which that the first one says otherwise. */
+typedef struct Tile {
+    Tiles *tiles;
+    uint32_t crop[4];
+    bool first, has_crop;
+    char differs[IMAGE_NAME_SIZE]; /* the name of an attribute that is to be the same in all, and is not; "": none */
+} Tile;
+
+/* Of these there is one in a picture. */
+static const char *const common[] = {"meniscus/sceneHash", "meniscus/camera", "meniscus/frame", "meniscus/nesting"};
+/* These are not of the whole. */
+static const char *const of_parts[] = {TILE_ATTRIBUTE, "meniscus/noise", "meniscus/lightSpread",
+                                       "meniscus/meanSamples"};
+static const char *const counts[] = {"meniscus/crossings", "meniscus/nestingFaults"};
+
+static bool is_one_of(const char *name, const char *const *names, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        if (strcmp(name, names[i]) == 0) return true;
+    return false;
+}
+
+bool tile_is(const char *path)
+{
+    Error error;
+    char *crop = NULL, *state = NULL;
+    bool read = strcmp(path, "-") != 0 && exr_read_attribute(path, TILE_ATTRIBUTE, &crop, &error) == STATUS_OK &&
+                exr_read_attribute(path, CHECKPOINT_ATTRIBUTE, &state, &error) == STATUS_OK;
+    bool is = read && crop && !state;
+    free(crop);
+    free(state);
+    return is;
+}
+
+static ImageAttribute *kept(Tiles *tiles, const char *name)
+{
+    for (size_t i = 0; i < tiles->n; i++)
+        if (strcmp(tiles->items[i].name, name) == 0) return &tiles->items[i];
+    return NULL;
+}
+
+/* Left out where memory ends, or there is no room. */
+static void keep(Tiles *tiles, const ImageAttribute *attribute)
+{
+    if (tiles->n == CHECKPOINT_MOST_ATTRIBUTES) return;
+    char *name = strdup(attribute->name), *text = attribute->text ? strdup(attribute->text) : NULL;
+    tiles->owned[tiles->n_owned++] = name;
+    if (text) tiles->owned[tiles->n_owned++] = text;
+    if (!name || (attribute->text && !text)) return;
+    ImageAttribute *own = &tiles->items[tiles->n++];
+    *own = *attribute;
+    own->name = name;
+    own->text = text;
+}
+
+static bool is_same(const ImageAttribute *a, const ImageAttribute *b)
+{
+    if (a->type != b->type || a->whole != b->whole) return false;
+    return a->type != ATTRIBUTE_TEXT || strcmp(a->text, b->text) == 0;
+}
+
+static void visit(void *context, const ImageAttribute *attribute)
+{
+    Tile *tile = context;
+    Tiles *tiles = tile->tiles;
+    uint32_t *c = tile->crop;
+    const char *name = attribute->name;
+    if (strcmp(name, TILE_ATTRIBUTE) == 0 && attribute->text)
+        tile->has_crop = sscanf(attribute->text, "%u,%u,%u,%u", &c[0], &c[1], &c[2], &c[3]) == 4;
+    for (size_t i = 0; i < COUNT_OF(counts); i++)
+        if (strcmp(name, counts[i]) == 0 && attribute->text) tiles->counts[i] += strtoull(attribute->text, NULL, 10);
+    if (is_one_of(name, of_parts, COUNT_OF(of_parts))) return;
+    if (tile->first) {
+        keep(tiles, attribute);
+        return;
+    }
+    ImageAttribute *whole = kept(tiles, name);
+    if (whole && strcmp(name, "meniscus/samples") == 0 && attribute->whole < whole->whole)
+        whole->whole = attribute->whole;
+    if (is_one_of(name, common, COUNT_OF(common)) && !(whole && is_same(whole, attribute)))
+        snprintf(tile->differs, sizeof tile->differs, "%s", name);
+}
+
+/* Whether two pictures have one size, and the same channels. */
+static bool are_alike(const Image *a, const Image *b)
+{
+    bool alike = a->width == b->width && a->height == b->height && a->n_channels == b->n_channels;
+    for (uint32_t i = 0; alike && i < a->n_channels; i++) alike = strcmp(a->names[i], b->names[i]) == 0;
+    return alike;
+}
+
+static void paste(Tiles *tiles, const Image *part, const uint32_t crop[4])
+{
+    for (uint32_t y = crop[1]; y < crop[3]; y++)
+        for (uint32_t x = crop[0]; x < crop[2]; x++) {
+            bool *covered = &tiles->covered[(size_t)y * part->width + x];
+            if (!*covered && part != &tiles->image)
+                memcpy(image_at(&tiles->image, x, y), image_at(part, x, y), part->n_channels * sizeof(float));
+            *covered = true;
+        }
+}
+
+static Status read_tile(const char *const *paths, size_t number, Tiles *tiles, Image *part, Error *error)
+{
+    const char *path = paths[number];
+    Tile tile = {.tiles = tiles, .first = number == 0};
+    if (!tile_is(path))
+        return fail(error, STATUS_INPUT, "'%s' is not a part of a picture by 'render --crop', as '%s' is", path, paths[0]);
+    TRY(exr_visit_own_attributes(path, visit, &tile, error));
+    TRY(exr_read(path, part, error));
+    const uint32_t *c = tile.crop;
+    if (!tile.has_crop || c[0] >= c[2] || c[1] >= c[3] || c[2] > part->width || c[3] > part->height)
+        return fail(error, STATUS_INPUT, "'%s' does not say which part of its picture it is", path);
+    if (tile.differs[0])
+        return fail(error, STATUS_INPUT, "'%s' and '%s' are not of one picture, as there differs: %s", paths[0], path,
+                    tile.differs);
+    if (number > 0 && !are_alike(&tiles->image, part))
+        return fail(error, STATUS_INPUT, "'%s' and '%s' are not of one picture: they differ in size, or in channels",
+                    paths[0], path);
+    if (number == 0) {
+        tiles->image = *part;
+        *part = (Image){0};
+        size_t n = (size_t)tiles->image.width * tiles->image.height;
+        tiles->covered = calloc(n, sizeof *tiles->covered);
+        if (!tiles->covered) return fail_memory(error, n, "which pixels there are");
+    }
+    paste(tiles, number ? part : &tiles->image, c);
+    return STATUS_OK;
+}
+
+Status tiles_read(const char *const *paths, size_t n, Tiles *tiles, Error *error)
+{
+    *tiles = (Tiles){.n = 0};
+    Status status = STATUS_OK;
+    for (size_t i = 0; i < n && status == STATUS_OK; i++) {
+        Image part = {0};
+        status = read_tile(paths, i, tiles, &part, error);
+        image_clear(&part);
+    }
+    for (size_t i = 0; i < COUNT_OF(counts) && status == STATUS_OK; i++) {
+        ImageAttribute *attribute = kept(tiles, counts[i]);
+        if (!attribute) continue;
+        snprintf(tiles->count_texts[i], sizeof tiles->count_texts[i], "%llu", (unsigned long long)tiles->counts[i]);
+        attribute->text = tiles->count_texts[i];
+    }
+    return status;
+}
+
+bool tiles_take_gap(Tiles *tiles, uint32_t gap[4])
+{
+    const uint32_t width = tiles->image.width, height = tiles->image.height;
+    size_t at = 0, n = (size_t)width * height;
+    while (at < n && tiles->covered[at]) at++;
+    if (at == n) return false;
+    uint32_t x0 = (uint32_t)(at % width), y0 = (uint32_t)(at / width), x1 = x0, y1 = y0;
+    while (x1 < width && !tiles->covered[(size_t)y0 * width + x1]) x1++;
+    for (bool free_row = true; free_row && y1 < height; y1 += free_row)
+        for (uint32_t x = x0; free_row && x < x1; x++) free_row = !tiles->covered[(size_t)y1 * width + x];
+    for (uint32_t y = y0; y < y1; y++) memset(tiles->covered + (size_t)y * width + x0, true, x1 - x0);
+    gap[0] = x0;
+    gap[1] = y0;
+    gap[2] = x1;
+    gap[3] = y1;
+    return true;
+}
+
+void tiles_clear(Tiles *tiles)
+{
+    for (size_t i = 0; i < tiles->n_owned; i++) free(tiles->owned[i]);
+    image_clear(&tiles->image);
+    free(tiles->covered);
+    *tiles = (Tiles){.n = 0};
+}
