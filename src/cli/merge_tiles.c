@@ -113,7 +113,8 @@ static Status read_tile(const char *const *paths, size_t number, Tiles *tiles, I
     const char *path = paths[number];
     Tile tile = {.tiles = tiles, .first = number == 0};
     if (!tile_is(path))
-        return fail(error, STATUS_INPUT, "'%s' is not a part of a picture by 'render --crop', as '%s' is", path, paths[0]);
+        return fail(error, STATUS_INPUT, "'%s' is not a part of a picture by 'render --crop', as '%s' is", path,
+                    paths[0]);
     TRY(exr_visit_own_attributes(path, visit, &tile, error));
     TRY(exr_read(path, part, error));
     const uint32_t *c = tile.crop;

@@ -124,8 +124,7 @@ static void hint_at_mixed_node(const BuiltinCall *call, const Value *given, Diag
     if (given->kind != VALUE_NODE || strcmp(call->expr->as.call.name, "mix") != 0) return;
     Diag *diag = call->evaluator->diag;
     const char *type = given->as.node->type->name;
-    if (strcmp(type, "surface") == 0)
-        diag_hint(diag, report, "write: surface { mix = [a, b]  weight = .5 }");
+    if (strcmp(type, "surface") == 0) diag_hint(diag, report, "write: surface { mix = [a, b]  weight = .5 }");
     if (strcmp(type, "medium") == 0)
         diag_hint(diag, report, "write: medium { ior = mix(1.33, 1.5, .5) }, and so on for its other properties");
 }

@@ -36,7 +36,8 @@ static double nearness_of_focus(const SceneCamera *camera, double x, double y)
 {
     double across = camera->focus[0] * x + camera->focus[1] * y, along = camera->focus[2];
     if (camera->projection != PROJECTION_ORTHOGRAPHIC) return along + across;
-    double distance = 1 - across; /* in units of that in the middle; not 0, where the plane goes through where the line starts */
+    double distance =
+        1 - across; /* in units of that in the middle; not 0, where the plane goes through where the line starts */
     return along / (distance + copysign(1e-12, distance));
 }
 

@@ -108,15 +108,15 @@ static bool decides(const NestCsg *csg, uint32_t tree, NestList *list, NestPass 
     return decided;
 }
 
-/* Of operands the one declared last that decides, in front of all of their surfaces or behind them: so it is the same from either side;
- * else, where only several together do, the last in turn. NULL: the combination neither begins nor ends. */
-static const Hit *hit_of_operand(Tracer *tracer, const NestList *before, const Hit *hits, size_t n, uint32_t tree)
+/* Of operands the one declared last that decides, in front of all of their surfaces or behind them: so it is the same from either side,
+ * and does not hang on rounding; else, where only several together do, the last in turn. NULL: the combination neither begins nor ends.
+ * list: that in front, which becomes that behind these operands. */
+static const Hit *hit_of_operand(const CompiledScene *compiled, NestList *list, const Hit *hits, size_t n,
+                                 uint32_t tree)
 {
-    const CompiledScene *compiled = tracer->world->compiled;
     const NestCsg *csg = &compiled->csg;
-    NestList *list = &tracer->shadow_list;
     const Hit *best = NULL, *last = NULL;
-    if (nest_list_copy(list, before) != STATUS_OK || nest_list_reserve(list, (uint32_t)n) != STATUS_OK) return NULL;
+    if (nest_list_reserve(list, (uint32_t)n) != STATUS_OK) return NULL;
     const bool held = nest_csg_holds(csg, tree, list);
     for (int behind = 0; behind < 2; behind++) {
         for (size_t i = 0; i < n; i++) {
@@ -144,15 +144,36 @@ static const Hit *hit_of_level(Tracer *tracer, const NestList *before, const Hit
     for (size_t i = 0; i < n; i++) {
         const uint32_t hull = compiled->hull_of_object[hits[i].object];
         if (level_of(compiled, &hits[i]) != level) continue;
-        if (hull >= compiled->order.n_hulls)
-            return hit_of_operand(tracer, before, hits, n, nest_csg_tree(&compiled->csg, hull));
+        if (hull >= compiled->order.n_hulls) {
+            if (nest_list_copy(&tracer->shadow_list, before) != STATUS_OK) return NULL;
+            return hit_of_operand(compiled, &tracer->shadow_list, hits, n, nest_csg_tree(&compiled->csg, hull));
+        }
         if (!best || hits[i].object < best->object) best = &hits[i];
     }
     return best;
 }
 
-/* Crossing the hits of several at one place one after another, the one at which the medium last becomes what it is behind them all, or
- * where an opaque combination begins. */
+/* The operand's hit by which an opaque combination begins; of several combinations that of the operand declared last. NULL: none
+ * begins. list: as hit_of_operand has it. */
+static const Hit *hit_of_opaque(const CompiledScene *compiled, NestList *list, const Hit *hits, size_t n)
+{
+    const NestCsg *csg = &compiled->csg;
+    const Hit *best = NULL;
+    for (size_t i = 0; i < n; i++) {
+        const uint32_t operand = compiled->hull_of_object[hits[i].object];
+        if (operand == SCENE_NONE || operand < compiled->order.n_hulls) continue;
+        const uint32_t tree = nest_csg_tree(csg, operand);
+        bool again = csg->trees[tree].hull != NEST_OPAQUE;
+        for (size_t k = 0; k < i && !again; k++)
+            again = is_operand_of(compiled, compiled->hull_of_object[hits[k].object], tree);
+        if (again) continue;
+        const Hit *hit = hit_of_operand(compiled, list, hits, n, tree);
+        if (hit && (!best || hit->object > best->object)) best = hit;
+    }
+    return best;
+}
+
+/* Crossing the hits of several at one place one after another, the one at which the medium last becomes what it is behind them all. */
 static const Hit *last_hit(Tracer *tracer, const NestList *before, const Hit *hits, size_t n,
                            const NestCrossing *crossing)
 {
@@ -164,9 +185,7 @@ static const Hit *last_hit(Tracer *tracer, const NestList *before, const Hit *hi
         NestCrossing step;
         if (pass.hull == SCENE_NONE) continue; /* a sheet */
         if (nest_cross_one(&tracer->shadow_list, &compiled->order, pass, &step) != STATUS_OK) return best;
-        if (crossing->opaque ? step.opaque
-                             : step.medium_from != step.medium_to && step.medium_to == crossing->medium_to)
-            best = &hits[i];
+        if (step.medium_from != step.medium_to && step.medium_to == crossing->medium_to) best = &hits[i];
     }
     return best;
 }
@@ -179,7 +198,12 @@ static const Hit *boundary_hit_of_several(Tracer *tracer, const NestList *before
     const CompiledScene *compiled = tracer->world->compiled;
     const NestOrder *order = &compiled->order;
     const uint32_t from = crossing->owner_from, to = crossing->owner_to;
-    if (crossing->opaque || order->policy == NEST_NONE) return last_hit(tracer, before, hits, n, crossing);
+    if (crossing->opaque) {
+        const bool copied = nest_list_copy(&tracer->shadow_list, before) == STATUS_OK;
+        const Hit *hit = copied ? hit_of_opaque(compiled, &tracer->shadow_list, hits, n) : NULL;
+        return hit ? hit : hits;
+    }
+    if (order->policy == NEST_NONE) return last_hit(tracer, before, hits, n, crossing);
     const uint32_t upper = upper_owner(compiled, from, to), owners[2] = {upper, upper == from ? to : from};
     for (int i = 0; i < 2; i++) {
         if (owners[i] >= order->n_hulls) continue;
@@ -774,26 +798,12 @@ static bool part_hits(Tracer *tracer, const LightSample *light)
     return true;
 }
 
-/* Whether the operand's surface among tracer->aimed is the one by which a path that came there would find the combination opaque: see
- * last_hit. tracer->shadow_list is that in front of them. */
+/* Whether the operand's surface among tracer->aimed is the one by which a path that came there would find the combination opaque.
+ * tracer->shadow_list is that in front of them. */
 static bool is_opaque_there(Tracer *tracer, uint32_t object)
 {
-    const NestCsg *csg = &tracer->world->compiled->csg;
-    const uint32_t *pass_of = tracer->world->compiled->hull_of_object;
-    NestList *list = &tracer->shadow_list;
-    const uint32_t tree = nest_csg_tree(csg, pass_of[object]);
-    const bool before = nest_csg_holds(csg, tree, list);
-    uint32_t last = SCENE_NONE;
-    for (size_t i = 0; i < tracer->aimed.n; i++) {
-        const Hit *hit = &tracer->aimed.items[i];
-        NestCrossing crossing;
-        if (!path_cross(tracer, list, hit, 1, &crossing)) {
-            tracer->out_of_memory = true;
-            return false;
-        }
-        if (crossing.opaque) last = hit->object;
-    }
-    return last == object && nest_csg_holds(csg, tree, list) != before;
+    const Hit *hit = hit_of_opaque(tracer->world->compiled, &tracer->shadow_list, tracer->aimed.items, tracer->aimed.n);
+    return hit && hit->object == object;
 }
 
 bool path_meets(Path *path, const LightSample *light, Ray *ray, Lanes *transmittance, uint32_t *medium_at_light)

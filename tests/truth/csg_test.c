@@ -178,13 +178,53 @@ static void paint_is_where_the_whole_is(void **state)
     assert_true(c.n_other <= WIDTH * WIDTH / 40); /* other noise in half of them where they do not */
 }
 
+/* Opaque operands whose faces are at one place, turned in many ways, so that rounding has them now one in front and now the other: the
+ * one declared last is seen, all over. */
+static void of_opaque_faces_at_one_place_the_last_is_seen(void **state)
+{
+    (void)state;
+    enum { SIDE = 24, TURNS = 12 };
+#define FIRST "surface = surface { albedo = rgb(.9, 0, 0) } }"
+#define LAST "surface = surface { albedo = rgb(0, 0, .9) } } }"
+    static const char *const solids[] = {
+        "intersection { box { from = <-9, -9, -5>  to = <9, 9, 5> " FIRST
+        " box { from = <-8, -30, -30>  to = <30, 30, 5> " LAST,
+        "union { box { from = <-9, -9, -5>  to = <9, 9, 5> " FIRST " box { from = <-9, -9, -7>  to = <9, 9, 5> " LAST,
+        "difference { box { from = <-9, -9, -5>  to = <9, 9, 9> " FIRST
+        " box { from = <-30, -30, 5>  to = <30, 30, 30> " LAST,
+        "union { sphere { radius = 9 " FIRST " sphere { radius = 9 " LAST,
+    };
+    for (size_t i = 0; i < COUNT_OF(solids); i++)
+        for (int turn = 0; turn < TURNS; turn++) {
+            char text[1000];
+            snprintf(text, sizeof text,
+                     HEAD "group { %s camera { from = <0, 0, 90>  to = <0, 0, 0>  fov = 7 } rotate(<%d, %d, %d>) } "
+                          "environment { }",
+                     solids[i], 29 * turn, 31 * turn, 37 * turn);
+            Fixture scene;
+            Picture picture;
+            truth_open(&scene, (TruthInput){.text = text, .policy = NEST_AUTOMATIC});
+            RenderSettings settings = truth_settings(SIDE, 2);
+            truth_render(&scene, &settings, 0, &picture);
+            for (uint32_t y = 0; y < SIDE; y++)
+                for (uint32_t x = 0; x < SIDE; x++)
+                    assert_true(truth_channel(&picture, x, y, 0) < 0.1 && truth_channel(&picture, x, y, 2) > 0.4);
+            truth_clear(&picture);
+            fixture_clear(&scene);
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_difference_is_the_mesh),         cmocka_unit_test(a_difference_in_water_is_the_mesh),
-        cmocka_unit_test(a_turned_difference_is_the_lathe), cmocka_unit_test(an_opaque_difference_is_the_mesh),
-        cmocka_unit_test(a_pane_may_be_a_combination),      cmocka_unit_test(a_glowing_operand_lights_what_it_touches),
+        cmocka_unit_test(a_difference_is_the_mesh),
+        cmocka_unit_test(a_difference_in_water_is_the_mesh),
+        cmocka_unit_test(a_turned_difference_is_the_lathe),
+        cmocka_unit_test(an_opaque_difference_is_the_mesh),
+        cmocka_unit_test(a_pane_may_be_a_combination),
+        cmocka_unit_test(a_glowing_operand_lights_what_it_touches),
         cmocka_unit_test(paint_is_where_the_whole_is),
+        cmocka_unit_test(of_opaque_faces_at_one_place_the_last_is_seen),
     };
     return cmocka_run_group_tests_name("csg", tests, NULL, NULL);
 }
