@@ -108,6 +108,18 @@ static bool decides(const NestCsg *csg, uint32_t tree, NestList *list, NestPass 
     return decided;
 }
 
+/* Of operands that decide at that list, in front of all hits or behind them, and of `best`, the one declared last. */
+static const Hit *last_deciding(const CompiledScene *compiled, NestList *list, const Hit *hits, size_t n, uint32_t tree,
+                                bool behind, const Hit *best)
+{
+    for (size_t i = 0; i < n; i++) {
+        const NestPass pass = {compiled->hull_of_object[hits[i].object], hits[i].entering != behind};
+        if (!is_operand_of(compiled, pass.hull, tree) || !decides(&compiled->csg, tree, list, pass)) continue;
+        if (!best || hits[i].object > best->object) best = &hits[i];
+    }
+    return best;
+}
+
 /* Of operands the one declared last that decides, in front of all of their surfaces or behind them: so it is the same from either side,
  * and does not hang on rounding; else, where only several together do, the last in turn. NULL: the combination neither begins nor ends.
  * list: that in front, which becomes that behind these operands. */
@@ -115,24 +127,21 @@ static const Hit *hit_of_operand(const CompiledScene *compiled, NestList *list, 
                                  uint32_t tree)
 {
     const NestCsg *csg = &compiled->csg;
-    const Hit *best = NULL, *last = NULL;
+    const Hit *last = NULL;
     if (nest_list_reserve(list, (uint32_t)n) != STATUS_OK) return NULL;
     const bool held = nest_csg_holds(csg, tree, list);
-    for (int behind = 0; behind < 2; behind++) {
-        for (size_t i = 0; i < n; i++) {
-            const NestPass pass = {compiled->hull_of_object[hits[i].object], hits[i].entering != (behind != 0)};
-            if (!is_operand_of(compiled, pass.hull, tree) || !decides(csg, tree, list, pass)) continue;
-            if (!best || hits[i].object > best->object) best = &hits[i];
-        }
-        for (size_t i = 0; i < n && !behind; i++) {
-            const uint32_t operand = compiled->hull_of_object[hits[i].object];
-            const bool inside = nest_csg_holds(csg, tree, list);
-            if (!is_operand_of(compiled, operand, tree)) continue;
-            nest_csg_pass(csg, list, operand, hits[i].entering);
-            if (nest_csg_holds(csg, tree, list) != inside) last = &hits[i];
-        }
+    const Hit *best = last_deciding(compiled, list, hits, n, tree, false, NULL);
+    bool inside = held;
+    for (size_t i = 0; i < n; i++) {
+        const uint32_t operand = compiled->hull_of_object[hits[i].object];
+        if (!is_operand_of(compiled, operand, tree)) continue;
+        nest_csg_pass(csg, list, operand, hits[i].entering);
+        const bool inside_now = nest_csg_holds(csg, tree, list);
+        if (inside_now != inside) last = &hits[i];
+        inside = inside_now;
     }
-    if (nest_csg_holds(csg, tree, list) == held) return NULL;
+    best = last_deciding(compiled, list, hits, n, tree, true, best);
+    if (inside == held) return NULL;
     return best ? best : last;
 }
 
