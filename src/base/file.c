@@ -216,14 +216,6 @@ static bool is_plain(const char *path)
     return strcmp(path, "-") == 0 || file_kind(path) == FILE_OTHER;
 }
 
-static char *copy_of(const char *text)
-{
-    size_t size = strlen(text) + 1;
-    char *copy = malloc(size);
-    if (copy) memcpy(copy, text, size);
-    return copy;
-}
-
 /* The file that a symbolic link leads to, so that a commit replaces the file and not the link. */
 static char *followed(const char *path)
 {
@@ -232,7 +224,7 @@ static char *followed(const char *path)
         char *target = file_real_path(path);
         if (target) return target;
     }
-    return copy_of(path);
+    return strdup(path);
 }
 
 /* NAME.PROCESS-ATTEMPT.tmp, of a name that leaves no room for that its beginning, up to a whole character of UTF-8. */
@@ -301,7 +293,7 @@ static Status rename_followed(const char *temporary, const char *path, Error *er
 
 Status file_create(FileOut *out, const char *path, Error *error)
 {
-    *out = (FileOut){.plain = is_plain(path), .path = copy_of(path)};
+    *out = (FileOut){.plain = is_plain(path), .path = strdup(path)};
     if (!out->path) return fail_memory(error, strlen(path) + 1, "a file name");
     int descriptor = -1;
     if (strcmp(path, "-") == 0) {

@@ -25,10 +25,8 @@ static void read_names(const char *folder, Names *names)
     for (struct dirent *entry; names->n < MOST_NAMES && (entry = readdir(stream));) {
         if (entry->d_name[0] == '.' || strcmp(file_extension(entry->d_name), "tmp") == 0) continue;
         if (!array_reserve(&names->items, &names->capacity, names->n + 1, sizeof *names->items)) break;
-        size_t size = strlen(entry->d_name) + 1;
-        char *copy = malloc(size);
+        char *copy = strdup(entry->d_name);
         if (!copy) break;
-        memcpy(copy, entry->d_name, size);
         names->items[names->n++] = copy;
     }
     closedir(stream);

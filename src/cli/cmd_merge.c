@@ -121,6 +121,15 @@ static bool warn_of_missing_parts(const MergeRun *run, Tiles *tiles)
     return n > 0;
 }
 
+/* what: of how much it was made. */
+static void say_written(const MergeRun *run, const Image *image, const char *what)
+{
+    for (size_t i = 0; i < run->n_outputs && !run->talk->quiet; i++)
+        talk_event(run->talk, "done", "wrote %s (%u x %u, %s)",
+                   strcmp(run->outputs[i].path, "-") == 0 ? "standard output" : run->outputs[i].path, image->width,
+                   image->height, what);
+}
+
 static Status merge_tiles(MergeRun *run, Tiles *tiles, Error *error)
 {
     const Options *options = run->options;
@@ -128,29 +137,18 @@ static Status merge_tiles(MergeRun *run, Tiles *tiles, Error *error)
     TRY(pool_new(options->values[OPTION_THREADS].whole[0], &run->pool, error));
     run->look = look_of(run, tiles->items, tiles->n);
     TRY(write_outputs(run, &tiles->image, tiles->items, tiles->n, error));
-    for (size_t i = 0; i < run->n_outputs && !run->talk->quiet; i++)
-        talk_event(run->talk, "done", "wrote %s (%u x %u, from %zu part%s)",
-                   strcmp(run->outputs[i].path, "-") == 0 ? "standard output" : run->outputs[i].path,
-                   tiles->image.width, tiles->image.height, options->n_operands, plural(options->n_operands));
+    char what[2 * NUMBER_SIZE];
+    snprintf(what, sizeof what, "from %zu part%s", options->n_operands, plural(options->n_operands));
+    say_written(run, &tiles->image, what);
     error->text[0] = 0;
     return warn_of_missing_parts(run, tiles) ? STATUS_STOPPED : STATUS_OK;
-}
-
-static void summarize(const MergeRun *run)
-{
-    const RenderStats *stats = &run->stats;
-    uint32_t total = run->merge.parts[0].notes.samples;
-    if (run->talk->quiet) return;
-    for (size_t i = 0; i < run->n_outputs; i++)
-        talk_event(run->talk, "done", "wrote %s (%u x %u, %u of %u sample%s, from %zu slice%s)",
-                   strcmp(run->outputs[i].path, "-") == 0 ? "standard output" : run->outputs[i].path, run->image.width,
-                   run->image.height, stats->samples, total, plural(total), run->merge.n, plural(run->merge.n));
 }
 
 static Status merge_slices(MergeRun *run, Error *error)
 {
     const Options *options = run->options;
     Described described;
+    char what[4 * NUMBER_SIZE];
     TRY(merge_open(options->operands, options->n_operands, &run->merge, error));
     TRY(pool_new(options->values[OPTION_THREADS].whole[0], &run->pool, error));
     TRY(merge_read(&run->merge, &run->state, error));
@@ -158,7 +156,10 @@ static Status merge_slices(MergeRun *run, Error *error)
     TRY(render_state_resolve(&run->state, run->look.exposure, run->pool, &run->image, &run->stats, error));
     describe(run, &described);
     TRY(write_outputs(run, &run->image, described.items, described.n, error));
-    summarize(run);
+    const uint32_t total = run->merge.parts[0].notes.samples;
+    snprintf(what, sizeof what, "%u of %u sample%s, from %zu slice%s", run->stats.samples, total, plural(total),
+             run->merge.n, plural(run->merge.n));
+    say_written(run, &run->image, what);
     error->text[0] = 0;
     return warn_of_gaps(run) ? STATUS_STOPPED : STATUS_OK;
 }

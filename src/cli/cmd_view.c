@@ -224,15 +224,7 @@ static char *caption_of(const Options *options, size_t number)
         const char *other = file_name(options->operands[i]);
         alone = alone && (i == number || file_stem_length(other) != length || strncmp(other, name, length) != 0);
     }
-    if (!alone) {
-        name = path;
-        length = strlen(path);
-    }
-    char *caption = malloc(length + 1);
-    if (!caption) return NULL;
-    memcpy(caption, name, length);
-    caption[length] = 0;
-    return caption;
+    return alone ? strndup(name, length) : strdup(path);
 }
 
 /* One of several: what is wrong with it names it. */

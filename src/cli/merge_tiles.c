@@ -9,8 +9,8 @@
 /* What one part says, and which that the first one says otherwise. */
 typedef struct Tile {
     Tiles *tiles;
-    uint32_t crop[4];
-    bool first, has_crop;
+    uint32_t crop[4]; /* 0: it does not say */
+    bool first, has_crop, has_state;
     char differs[IMAGE_NAME_SIZE]; /* the name of an attribute that is to be the same in all, and is not; "": none */
 } Tile;
 
@@ -26,18 +26,6 @@ static bool is_one_of(const char *name, const char *const *names, size_t n)
     for (size_t i = 0; i < n; i++)
         if (strcmp(name, names[i]) == 0) return true;
     return false;
-}
-
-bool tile_is(const char *path)
-{
-    Error error;
-    char *crop = NULL, *state = NULL;
-    bool read = strcmp(path, "-") != 0 && exr_read_attribute(path, TILE_ATTRIBUTE, &crop, &error) == STATUS_OK &&
-                exr_read_attribute(path, CHECKPOINT_ATTRIBUTE, &state, &error) == STATUS_OK;
-    bool is = read && crop && !state;
-    free(crop);
-    free(state);
-    return is;
 }
 
 static ImageAttribute *kept(Tiles *tiles, const char *name)
@@ -67,14 +55,31 @@ static bool is_same(const ImageAttribute *a, const ImageAttribute *b)
     return a->type != ATTRIBUTE_TEXT || strcmp(a->text, b->text) == 0;
 }
 
+/* What tells a part from a whole picture and from a slice. */
+static void visit_kind(void *context, const ImageAttribute *attribute)
+{
+    Tile *tile = context;
+    uint32_t *c = tile->crop;
+    if (strcmp(attribute->name, CHECKPOINT_ATTRIBUTE) == 0) tile->has_state = true;
+    if (strcmp(attribute->name, TILE_ATTRIBUTE) != 0) return;
+    tile->has_crop = true;
+    if (!attribute->text || sscanf(attribute->text, "%u,%u,%u,%u", &c[0], &c[1], &c[2], &c[3]) != 4) c[2] = 0;
+}
+
+bool tile_is(const char *path)
+{
+    Error error;
+    Tile tile = {.first = true};
+    return strcmp(path, "-") != 0 && exr_visit_own_attributes(path, visit_kind, &tile, &error) == STATUS_OK &&
+           tile.has_crop && !tile.has_state;
+}
+
 static void visit(void *context, const ImageAttribute *attribute)
 {
     Tile *tile = context;
     Tiles *tiles = tile->tiles;
-    uint32_t *c = tile->crop;
     const char *name = attribute->name;
-    if (strcmp(name, TILE_ATTRIBUTE) == 0 && attribute->text)
-        tile->has_crop = sscanf(attribute->text, "%u,%u,%u,%u", &c[0], &c[1], &c[2], &c[3]) == 4;
+    visit_kind(context, attribute);
     for (size_t i = 0; i < COUNT_OF(counts); i++)
         if (strcmp(name, counts[i]) == 0 && attribute->text) tiles->counts[i] += strtoull(attribute->text, NULL, 10);
     if (is_one_of(name, of_parts, COUNT_OF(of_parts))) return;
@@ -112,13 +117,13 @@ static Status read_tile(const char *const *paths, size_t number, Tiles *tiles, I
 {
     const char *path = paths[number];
     Tile tile = {.tiles = tiles, .first = number == 0};
-    if (!tile_is(path))
+    TRY(exr_visit_own_attributes(path, visit, &tile, error));
+    if (!tile.has_crop || tile.has_state)
         return fail(error, STATUS_INPUT, "'%s' is not a part of a picture by 'render --crop', as '%s' is", path,
                     paths[0]);
-    TRY(exr_visit_own_attributes(path, visit, &tile, error));
     TRY(exr_read(path, part, error));
     const uint32_t *c = tile.crop;
-    if (!tile.has_crop || c[0] >= c[2] || c[1] >= c[3] || c[2] > part->width || c[3] > part->height)
+    if (c[0] >= c[2] || c[1] >= c[3] || c[2] > part->width || c[3] > part->height)
         return fail(error, STATUS_INPUT, "'%s' does not say which part of its picture it is", path);
     if (tile.differs[0])
         return fail(error, STATUS_INPUT, "'%s' and '%s' are not of one picture, as there differs: %s", paths[0], path,

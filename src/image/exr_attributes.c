@@ -131,8 +131,11 @@ Status exr_read_attribute(const char *path, const char *name, char **text, Error
     return status;
 }
 
-Status exr_visit_attributes(const char *path, void (*visit)(void *context, const char *name, const char *text),
-                            void *context, Error *error)
+/* One attribute, and its text. */
+typedef void Each(void *context, const exr_attribute_t *attribute, const char *text);
+
+/* All of the first part, in the file's order; STATUS_INPUT, when all are visited, for a file that is cut short. */
+static Status visit_all(const char *path, Each *each, void *context, Error *error)
 {
     ExrFile file;
     Status status = exr_file_open(path, &file, error);
@@ -147,12 +150,32 @@ Status exr_visit_attributes(const char *path, void (*visit)(void *context, const
         if (buf.failed)
             status = fail_memory(error, buf.capacity, "an attribute");
         else
-            visit(context, attribute->name, buf_text(&buf));
+            each(context, attribute, buf_text(&buf));
         buf_clear(&buf);
     }
     if (status == STATUS_OK) status = exr_file_check_whole(&file, error);
     exr_file_close(&file);
     return status;
+}
+
+/* Whom the two functions below visit for. */
+typedef struct Visitor {
+    void (*text)(void *context, const char *name, const char *text);
+    void (*own)(void *context, const ImageAttribute *attribute);
+    void *context;
+} Visitor;
+
+static void give_text(void *context, const exr_attribute_t *attribute, const char *text)
+{
+    const Visitor *visitor = context;
+    visitor->text(visitor->context, attribute->name, text);
+}
+
+Status exr_visit_attributes(const char *path, void (*visit)(void *context, const char *name, const char *text),
+                            void *context, Error *error)
+{
+    Visitor visitor = {.text = visit, .context = context};
+    return visit_all(path, give_text, &visitor, error);
 }
 
 static bool is_own(const exr_attribute_t *attribute)
@@ -163,36 +186,29 @@ static bool is_own(const exr_attribute_t *attribute)
     return has_text(attribute);
 }
 
+static void give_own(void *context, const exr_attribute_t *attribute, const char *text)
+{
+    const Visitor *visitor = context;
+    ImageAttribute own = {.name = attribute->name};
+    if (!is_own(attribute)) return;
+    switch (attribute->type) {
+    case EXR_ATTR_INT:
+        own.type = ATTRIBUTE_INT;
+        own.whole = attribute->i;
+        break;
+    case EXR_ATTR_FLOAT:
+    case EXR_ATTR_DOUBLE:
+        own.type = ATTRIBUTE_FLOAT;
+        own.number = attribute->type == EXR_ATTR_DOUBLE ? attribute->d : (double)attribute->f;
+        break;
+    default: own.text = text; break;
+    }
+    visitor->own(visitor->context, &own);
+}
+
 Status exr_visit_own_attributes(const char *path, void (*visit)(void *context, const ImageAttribute *attribute),
                                 void *context, Error *error)
 {
-    ExrFile file;
-    Status status = exr_file_open(path, &file, error);
-    int32_t n = 0;
-    if (status == STATUS_OK && exr_get_attribute_count(file.context, 0, &n) != EXR_ERR_SUCCESS) n = 0;
-    for (int32_t i = 0; status == STATUS_OK && i < n; i++) {
-        const exr_attribute_t *attribute;
-        if (exr_get_attribute_by_index(file.context, 0, EXR_ATTR_LIST_FILE_ORDER, i, &attribute) != EXR_ERR_SUCCESS ||
-            !is_own(attribute))
-            continue;
-        Buf text = {0};
-        ImageAttribute own = {.name = attribute->name};
-        if (attribute->type == EXR_ATTR_INT) {
-            own.type = ATTRIBUTE_INT;
-            own.whole = attribute->i;
-        } else if (attribute->type == EXR_ATTR_FLOAT || attribute->type == EXR_ATTR_DOUBLE) {
-            own.type = ATTRIBUTE_FLOAT;
-            own.number = attribute->type == EXR_ATTR_DOUBLE ? attribute->d : (double)attribute->f;
-        } else {
-            print_attribute(&text, attribute);
-            own.text = buf_text(&text);
-        }
-        if (text.failed)
-            status = fail_memory(error, text.capacity, "an attribute");
-        else
-            visit(context, &own);
-        buf_clear(&text);
-    }
-    exr_file_close(&file);
-    return status;
+    Visitor visitor = {.own = visit, .context = context};
+    return visit_all(path, give_own, &visitor, error);
 }

@@ -80,7 +80,8 @@ ATTR_NODISCARD Status exr_read_attribute(const char *path, const char *name, cha
 ATTR_NODISCARD Status exr_visit_attributes(const char *path,
                                            void (*visit)(void *context, const char *name, const char *text),
                                            void *context, Error *error);
-/* Those of them that programs added as texts, whole numbers and floats, as exr_write takes them. Names and texts are good while visited. */
+/* Those of them that programs added as texts, whole numbers and floats, as exr_write takes them. Names and texts are good while
+ * visited. */
 ATTR_NODISCARD Status exr_visit_own_attributes(const char *path,
                                                void (*visit)(void *context, const ImageAttribute *attribute),
                                                void *context, Error *error);
