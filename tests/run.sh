@@ -1,8 +1,7 @@
 #!/bin/sh
 # Runs test programs and scripts, shows the figures that they print, and adds up what passed.
 # usage: tests/run.sh MENISCUS PROGRAM... ; a PROGRAM is a cmocka program, or a script that ends with "N passed, N failed"
-# Unit tests and the parts of the tests of the command line run one on each processor, as most of their work has one thread; all
-# others, which have many, one after the other.
+# As many run at a time as there are processors: much of their work has one thread.
 # The last line is "N passed, N failed", and before it comes once more what failed; the exit status is 1 when anything did.
 # SPDX-License-Identifier: Apache-2.0
 set -u
@@ -65,13 +64,7 @@ meniscus=$1
 shift
 results=$(mktemp -d) || exit 2
 trap 'rm -rf "$results"' EXIT
-side_by_side() { case $1 in */tests/*_test | tests/cli/*.sh) ;; *) false ;; esac; }
-for program in "$@"; do
-    ! side_by_side "$program" || echo "$program"
-done | xargs -r -n 1 -P "$(nproc)" sh "$0" --one "$results" "$meniscus"
-for program in "$@"; do
-    side_by_side "$program" || run_one "$results" "$meniscus" "$program"
-done
+printf '%s\n' "$@" | xargs -r -n 1 -P "$(nproc)" sh "$0" --one "$results" "$meniscus"
 n_passed=0 n_failed=0 n_programs=0
 for counts in "$results"/*.counts; do
     read -r passed failed < "$counts"

@@ -99,7 +99,7 @@ static const struct {
            "sphere { interior = air  center = <0, 40, 0>  radius = 10 }\n"
            "sphere { center = <0, 40, 0>  radius = 6  surface = surface { albedo = 0  emission = 1  radiance = 20 } }\n"
            "camera { from = <60, 80, 50>  to = <30, 10, 20>  fov = .001deg }\n",
-     2500, 10000},
+     1000, 5000},
     {"a floor before a foil that is matte in part",
      MEDIA "ground { surface = surface { albedo = .5 } } environment { color = .05 }\n"
            "box { from = <-20, 0, -1>  to = <20, 30, 0>  surface = surface { weight = .2\n"
@@ -161,14 +161,14 @@ static const struct {
            "light { from = <300, 400, 100>  to = <0, 30, 0>  size = <100, 300>  radiance = 7 } environment { color "
            "= .1 }\n"
            "camera { from = <0, 60, 200>  to = <0, 28, 0>  fov = 5deg }\n",
-     300, 300},
+     150, 150},
     {"smoke in the cone of light behind a ball of glass",
      MEDIA "medium smoke { ior = 1  scattering = <.003, .004, .006>  absorption = .002  phase = hg(.3)  state = gas }\n"
            "box { interior = smoke  from = <-100, -60, -100>  to = <100, 100, 100> }\n"
            "sphere { interior = glass  center = <0, 30, 0>  radius = 12 }\n"
            "light { shape = \"sphere\"  from = <0, 90, 0>  radius = 10  radiance = 50 }\n"
            "camera { from = <150, 20, 60>  to = <0, 9, 0>  fov = .001deg }\n",
-     1000, 16000},
+     500, 8000},
     {"a beam through flint, in two kinds of smoke that vary and mix",
      MEDIA "def f(p) = max(0, noise(p / 8mm) + .4) def g(p) = max(0, 1 - length(p - <0, -20mm, 0>) / 60mm)\n"
            "medium grey { mixes = true  scattering = .02  phase = hg(.3)\n"
@@ -180,7 +180,7 @@ static const struct {
            "sphere { interior = lead  center = <0, 20, 0>  radius = 14 }\n"
            "light { shape = disc  radius = 9  from = <60, 110, 0>  to = <0, 20, 0>  angle = 25  radiance = 90 }\n"
            "camera { from = <150, 20, 60>  to = <-8, 0, 0>  fov = .001deg }\n",
-     1000, 16000},
+     500, 8000},
     {"the sun in a pool of thin milk, past a ball of glass and a bubble",
      MEDIA "medium milk { ior = 1.33  scattering = .004  phase = hg(.6)\n"
            "  absorption = <.004, .002, .001>  state = liquid }\n"
@@ -209,7 +209,7 @@ static const struct {
            "sphere { interior = rain  center = <0, 14, 0>  radius = 10 }\n"
            "light { shape = \"sphere\"  from = <160, 70, 0>  radius = 10  radiance = 300 }\n"
            "camera { from = <80, 120, -200>  to = <25, 0, 12>  fov = 2deg }\n",
-     2000, 30000},
+     1000, 15000},
     {"the same of glass, with bubbles in it and a drink around it",
      MEDIA "ground { surface = surface { albedo = .5 } } environment { color = .01 }\n"
            "sphere { interior = glass  center = <0, 14, 0>  radius = 10 }\n"
@@ -218,7 +218,7 @@ static const struct {
            "box { interior = water  from = <-40, -1, -40>  to = <40, 30, 40> }\n"
            "light { shape = \"sphere\"  from = <160, 170, 0>  radius = 20  radiance = 300 }\n"
            "camera { from = <80, 190, -80>  to = <18, 0, 6>  fov = 2deg }\n",
-     2000, 20000},
+     1000, 10000},
     /* little of the light is the photons', and most comes by several bounces */
     {"between a floor and a mirror that lets half through",
      MEDIA "ground { surface = surface { albedo = .8 } }\n"

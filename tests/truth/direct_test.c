@@ -506,7 +506,7 @@ static void through_slabs(void **state)
                  "medium fog { ior = 1  scattering = .02 / 1mm }  medium hole { ior = 1  state = solid }\n"
                  "light { shape = distant  from = <1, 3, 1>  to = <0, 0, 0>  angle = 40deg  radiance = 3 }\n%s\n",
                  cases[i].between);
-        truth_found_alike(cases[i].what, text, 4096, cases[i].resolution);
+        truth_found_alike(cases[i].what, text, 2048, cases[i].resolution);
     }
 }
 
@@ -630,7 +630,7 @@ static void within_slabs(void **state)
                  "medium murk { ior = 1.33  scattering = .05 / 1mm  state = liquid }\n"
                  "light { shape = distant  from = <1, 3, 1>  to = <0, 0, 0>  angle = 40deg  radiance = 3 }\n%s\n",
                  cases[i].around);
-        truth_found_alike(cases[i].what, text, 4096, cases[i].resolution);
+        truth_found_alike(cases[i].what, text, 2048, cases[i].resolution);
     }
 }
 
@@ -672,7 +672,7 @@ static void between_slabs(void **state)
                  "camera { from = %s  to = <0, 0, 0>  fov = .01deg }\n"
                  "light { shape = distant  to = <0, 0, 0>  radiance = 3  %s }\n%s\n",
                  cases[i].camera, cases[i].sun, cases[i].around);
-        truth_found_alike(cases[i].what, text, 16384, cases[i].resolution);
+        truth_found_alike(cases[i].what, text, 6144, cases[i].resolution);
     }
 }
 
@@ -739,7 +739,7 @@ static void by_other_policies(void **state)
                  "medium water { ior = 1.33  state = liquid }  surface wall { albedo = .8 }\n%s",
                  cases[i].text);
         const TruthInput input = {.text = text, .policy = cases[i].policy};
-        RenderSettings looking = truth_small(2048), by_chance = truth_small(16384);
+        RenderSettings looking = truth_small(1024), by_chance = truth_small(8192);
         looking.caustics = by_chance.caustics = CAUSTICS_OFF;
         by_chance.by_chance = true;
         truth_alike(cases[i].what, truth_measure_input(input, &by_chance), truth_measure_input(input, &looking), 4,
@@ -782,8 +782,8 @@ static void sheets_in_boundaries(void **state)
                  "ground { y = -60  surface = surface { albedo = .8 } }\n"
                  "box { from = <-100, -60, -100>  to = <100, 0, 100>  interior = water }\n%s%s",
                  lies, cases[i].light);
-        found[i] = truth_measure(text, NULL, 4096, true);
-        if (cases[i].surface) truth_alike(cases[i].what, truth_measure(text, NULL, 4096, false), found[i], 4, 0.02);
+        found[i] = truth_measure(text, NULL, 2048, true);
+        if (cases[i].surface) truth_alike(cases[i].what, truth_measure(text, NULL, 2048, false), found[i], 4, 0.02);
     }
     truth_alike("the sun through nothing", found[0], found[6], 4, 0.01);
     truth_alike("a lamp through nothing", found[1], found[7], 4, 0.01);

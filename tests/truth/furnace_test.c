@@ -11,7 +11,7 @@
 #include "truth.h"
 
 static const NestPolicy policies[] = {NEST_AUTOMATIC, NEST_PRIORITY, NEST_ENTERED, NEST_NONE};
-enum { WIDTH = 32, SAMPLES = 256, SAMPLES_DISPERSIVE = 1024 };
+enum { WIDTH = 32, SAMPLES = 256, SAMPLES_DISPERSIVE = 512, SAMPLES_NOISY = 96 };
 /* Light that total reflection keeps in a glass leaves after thousands of boundaries, but it leaves. */
 enum { BOUNCES = 100000 };
 
@@ -56,15 +56,14 @@ typedef struct Worst {
 
 static void expect_furnace(const char *what, const Fixture *scene, Worst *worst)
 {
-    bool spread = disperses(scene->scene);
-    RenderSettings settings = truth_settings(WIDTH, spread ? SAMPLES_DISPERSIVE : SAMPLES);
+    bool spread = disperses(scene->scene), noisy = is_noisy(scene->scene);
+    RenderSettings settings = truth_settings(WIDTH, noisy ? SAMPLES_NOISY : spread ? SAMPLES_DISPERSIVE : SAMPLES);
     settings.no_absorption = true;
     settings.bounces = BOUNCES;
     Picture picture;
     truth_render(scene, &settings, 0, &picture);
     truth_count(&worst->faults, &picture.stats);
     Estimate mean = truth_mean(&picture, -1);
-    bool noisy = is_noisy(scene->scene);
     truth_check(what, 1, mean, 4, noisy ? 0.002 : 0.00025);
     double bound = noisy ? 0.005 : 0.001;
     if (!(fabs(mean.mean - 1) <= bound)) fail_msg("%s: %.9g is not within %g of 1", what, mean.mean, bound);
@@ -248,7 +247,7 @@ static void coarse_smooth_balls_let_light_out(void **state)
             "camera { from = <0, .5, 4> to = <0, 0, 0> fov = 30 }",
             cases[i].around, cases[i].down);
         snprintf(name, sizeof name, "a smooth ball of %d by %d faces", cases[i].around, cases[i].down);
-        (void)truth_white(name, text, WIDTH, SAMPLES, cases[i].bound);
+        (void)truth_white(name, text, WIDTH, SAMPLES / 4, cases[i].bound);
     }
 }
 

@@ -140,7 +140,7 @@ static void balls_as_points(void **state)
         }
         snprintf(what, sizeof what, "a ball of %g mm in water, %d mm from the origin, as a point", cases[i].radius,
                  cases[i].x);
-        RenderSettings looking = truth_small(4096);
+        RenderSettings looking = truth_small(2048);
         looking.caustics = CAUSTICS_OFF;
         looking.bounces = 2;
         truth_alike(what, truth_measure_as(text[0], NULL, &looking), truth_measure_as(text[1], NULL, &looking), 4,
@@ -217,7 +217,7 @@ static void off_a_block(void **state)
         BENCH
         "light { shape = disc  from = <-20, 20, 0>  to = <8, 4.44, 0>  radius = 8  angle = 26deg  radiance = 40 }\n%s",
         block);
-    truth_alike("a disc into a narrow cone, mirrored by a block", truth_measure(text, NULL, 1 << 16, true),
+    truth_alike("a disc into a narrow cone, mirrored by a block", truth_measure(text, NULL, 1 << 15, true),
                 truth_measure_as(text, NULL, &looking), 4, 0.03);
     static const char *const lamps[] = {"shape = disc  radius = .5  angle = 2  radiance = 1e5",
                                         "shape = spot  angle = 3  intensity = .04"};
@@ -240,7 +240,7 @@ static void through_a_prism(void **state)
     static const char *const glasses[] = {"ior = 1.5", "ior = cauchy(1.46, .014)"};
     for (size_t i = 0; i < COUNT_OF(glasses); i++) {
         char text[3000], what[80];
-        RenderSettings looking = truth_small(4096);
+        RenderSettings looking = truth_small(2048);
         looking.caustics = CAUSTICS_OFF;
         snprintf(text, sizeof text,
                  BENCH
@@ -251,7 +251,7 @@ static void through_a_prism(void **state)
                  "  rotate(x, -90)  translate(<0, -5.19615, 0>)  rotate(z, -71.4)  translate(<-.957, 22.84, 0>) }\n",
                  glasses[i]);
         snprintf(what, sizeof what, "a pencil through a prism, %s", glasses[i]);
-        truth_alike(what, truth_measure(text, NULL, 1 << 17, true), truth_measure_as(text, NULL, &looking), 4, 0.03);
+        truth_alike(what, truth_measure(text, NULL, 1 << 16, true), truth_measure_as(text, NULL, &looking), 4, 0.03);
     }
 }
 
