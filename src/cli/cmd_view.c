@@ -1,5 +1,6 @@
 /* cmd_view.c - the command view: a scene-linear picture as a display shows it, or several on a sheet.
  * SPDX-License-Identifier: Apache-2.0 */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,6 +12,7 @@
 #include "cli/preview.h"
 #include "base/suggest.h"
 #include "image/layer.h"
+#include "image/relight.h"
 #include "image/sheet.h"
 #include "scene/aov.h"
 
@@ -65,7 +67,7 @@ static Status read_picture(const char *path, Viewed *viewed, Error *error)
 static void layer_of_aov(Aov aov, char layer[LAYER_NAME_SIZE])
 {
     const char *channels = aov_channels(aov);
-    size_t length = strcspn(channels, "|");
+    size_t length = strcspn(channels, "|*");
     while (channels[length] && length > 0 && channels[length] != '.') length--; /* a single channel is the layer */
     snprintf(layer, LAYER_NAME_SIZE, "%.*s", (int)length, channels);
 }
@@ -141,6 +143,7 @@ static Status choose_layer(const char *name, const Talk *talk, Viewed *viewed, E
     if (aov != AOV_COUNT) layer_of_aov(aov, in_file);
     if (!layer_is_in(&viewed->image, in_file)) return fail_to_find(&viewed->image, name, in_file, error);
     TRY(layer_of(&viewed->image, in_file, &layer, error));
+    const bool light = strncmp(in_file, LAYER_LIGHTS, strlen(LAYER_LIGHTS)) == 0;
     const char *holes = layer.has_holes ? "; dark blue is where nothing is" : "";
     if (layer.kind == LAYER_NUMBERS && layer.white > layer.black)
         talk_remark(talk, "%s: black is %.4g, white %.4g%s%s", name, (double)layer.black, (double)layer.white,
@@ -148,7 +151,9 @@ static Status choose_layer(const char *name, const Talk *talk, Viewed *viewed, E
     else if (layer.kind == LAYER_NUMBERS)
         talk_remark(talk, "%s: all of it is %.4g%s", name, (double)layer.black, holes);
     image_clear(&viewed->image);
-    *viewed = (Viewed){.image = layer.image, .shown = layer.kind != LAYER_COLOR}; /* colours of surfaces, not light */
+    if (!light) viewed->look = (ColorLook){0}; /* colours of surfaces */
+    viewed->image = layer.image;
+    viewed->shown = layer.kind != LAYER_COLOR;
     return STATUS_OK;
 }
 
@@ -204,12 +209,53 @@ static Status show(const Options *options, const ColorConfig *config, const View
     return status;
 }
 
+/* GROUP=FACTOR, of one number or three; the name is put into *name. */
+static Status read_light(const char *text, char name[IMAGE_NAME_SIZE], Relight *change, Error *error)
+{
+    const char *equals = strchr(text, '=');
+    size_t length = equals ? (size_t)(equals - text) : 0;
+    const char *at = equals ? equals + 1 : NULL;
+    int n = 0;
+    for (bool more = at != NULL; more && n < 3; n++) {
+        char *end;
+        change->factor[n] = strtof(at, &end);
+        if (end == at || !(change->factor[n] >= 0) || !isfinite(change->factor[n])) break;
+        more = *end == ',';
+        at = end + more;
+    }
+    if (length == 0 || length >= IMAGE_NAME_SIZE || (n != 1 && n != 3) || *at)
+        return fail(error, STATUS_USAGE,
+                    "'--light %s' is not GROUP=FACTOR, with one number of 0 or more, or three, for red, green and "
+                    "blue: key=.5, "
+                    "or key=1,.8,.6",
+                    text);
+    for (; n < 3; n++) change->factor[n] = change->factor[0];
+    snprintf(name, IMAGE_NAME_SIZE, "%.*s", (int)length, text);
+    change->group = name;
+    return STATUS_OK;
+}
+
+static Status relight(const OptionValue *lights, Image *image, Error *error)
+{
+    const size_t n = lights->n_items;
+    Relight *changes = calloc(n, sizeof *changes);
+    char(*names)[IMAGE_NAME_SIZE] = calloc(n, sizeof *names);
+    Status status = changes && names ? STATUS_OK : fail_memory(error, n * sizeof *names, "lights");
+    for (size_t i = 0; i < n && status == STATUS_OK; i++)
+        status = read_light(lights->items[i], names[i], &changes[i], error);
+    if (status == STATUS_OK) status = image_relight(image, changes, n, error);
+    free(names);
+    free(changes);
+    return status;
+}
+
 /* A picture as the options want it. */
 static Status open_picture(const Options *options, const Talk *talk, const char *file, bool says_exposure,
                            Viewed *viewed, Error *error)
 {
     const char *layer = option_text(options, OPTION_LAYER, NULL);
     TRY(read_picture(file, viewed, error));
+    if (option_given(options, OPTION_LIGHT)) TRY(relight(&options->values[OPTION_LIGHT], &viewed->image, error));
     if (layer) TRY(choose_layer(layer, talk, viewed, error));
     return choose_part(options, talk, says_exposure, viewed, error);
 }

@@ -22,6 +22,8 @@ typedef struct Layer {
 
 /* A layer is the channels NAME.R, NAME.G and NAME.B, or .X, .Y and .Z, or .U and .V, or the one channel NAME. */
 enum { LAYER_NAME_SIZE = IMAGE_NAME_SIZE };
+/* What the names of layers begin with that are the light of a group of lights. */
+#define LAYER_LIGHTS "lights."
 bool layer_is_in(const Image *image, const char *name);
 /* The layer that a channel belongs to: all that there are, some of them several times. */
 void layer_of_channel(const Image *image, uint32_t channel, char name[LAYER_NAME_SIZE]);

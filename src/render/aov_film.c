@@ -59,9 +59,15 @@ static size_t sums_before_spectrum(const AovFilm *film)
     return has_behind(film) ? 2 * AOV_SUMS : AOV_SUMS;
 }
 
-static size_t sums_of_pixel(const AovFilm *film)
+/* And those of AOV_LIGHTS, behind these: three of each group. */
+static size_t sums_before_lights(const AovFilm *film)
 {
     return sums_before_spectrum(film) + (has(film->set, AOV_SPECTRUM) ? 2 * BANDS : 0);
+}
+
+static size_t sums_of_pixel(const AovFilm *film)
+{
+    return sums_before_lights(film) + (has(film->set, AOV_LIGHTS) ? 3 * (size_t)film->groups.n : 0);
 }
 
 /* ---- names, hashes, colours ---- */
@@ -143,9 +149,10 @@ double aov_film_unit(const World *world)
     return ldexp(1, exponent - 36);
 }
 
-Status aov_film_init(AovFilm *film, AovSet set, bool guides, double unit, uint32_t width, uint32_t height, Error *error)
+Status aov_film_init(AovFilm *film, AovSet set, const LightGroups *groups, bool guides, double unit, uint32_t width,
+                     uint32_t height, Error *error)
 {
-    *film = (AovFilm){.set = set, .guides = guides, .unit = unit, .width = width, .height = height};
+    *film = (AovFilm){.set = set, .groups = *groups, .guides = guides, .unit = unit, .width = width, .height = height};
     size_t n = (size_t)width * height;
     bool film_has_all = !(set & ~((AovSet)1 << AOV_SAMPLES | (AovSet)1 << AOV_VARIANCE));
     if (film_has_all && !guides) return STATUS_OK;
@@ -247,6 +254,12 @@ static void add_behind(AovFilm *film, size_t pixel, const FirstSight *behind)
         add_to_matte(film, film->tallies[BEHIND_MEDIA], pixel, film->world->scene->media[behind->through].name);
 }
 
+/* Of light, as bright as the film holds. */
+static void add_amount(int64_t *sum, float amount)
+{
+    *sum = held(*sum + whole((double)amount, FILM_UNIT, 0x1p61));
+}
+
 /* A mean over a band is one of radiances, each weighted by how much of the spectrum its wavelength stands for: that has far less noise
  * than what they add up to, as that many samples fall into one band only in the mean. */
 static void add_light(int64_t *sums, const SampleLight *light)
@@ -255,9 +268,17 @@ static void add_light(int64_t *sums, const SampleLight *light)
         int band = (int)floorf((lanes_get(light->wavelengths.nm, i) - first_band_nm) / band_step_nm + 0.5f);
         if (band < 0 || band >= BANDS) continue;
         float weight = 1 / (lanes_get(light->wavelengths.pdf, i) * (BANDS * band_step_nm));
-        int64_t *sum = sums + 2 * band;
-        sum[0] = held(sum[0] + whole((double)(lanes_get(light->radiance, i) * weight), FILM_UNIT, 0x1p61));
-        sum[1] = held(sum[1] + whole((double)weight, FILM_UNIT, 0x1p61));
+        add_amount(&sums[2 * band], lanes_get(light->radiance, i) * weight);
+        add_amount(&sums[2 * band + 1], weight);
+    }
+}
+
+static void add_groups(const AovFilm *film, int64_t *sums, const Tracer *tracer)
+{
+    for (uint32_t i = 0; i < film->groups.n; i++, sums += 3) {
+        float rgb[3];
+        color_from_lanes(tracer->grouped[i], &tracer->light.wavelengths, rgb);
+        for (int k = 0; k < 3; k++) add_amount(&sums[k], rgb[k]);
     }
 }
 
@@ -270,6 +291,7 @@ void aov_film_add(AovFilm *film, uint32_t x, uint32_t y, const Tracer *tracer, c
     sums[SUM_SILENT] += (int64_t)(after->silent_crossings - before->silent_crossings);
     sums[SUM_FAULTS] += (int64_t)(after->nesting_faults - before->nesting_faults);
     if (has(film->set, AOV_SPECTRUM)) add_light(sums + sums_before_spectrum(film), &tracer->light);
+    if (has(film->set, AOV_LIGHTS)) add_groups(film, sums + sums_before_lights(film), tracer);
     if (has_behind(film)) add_behind(film, pixel, &tracer->behind);
     if (film->guides && tracer->notes_behind) {
         sums[SUM_LOOKS]++;
@@ -438,6 +460,7 @@ static float *put_aov(const AovFilm *aovs, const Film *film, size_t pixel, Aov a
         *out = standard_error > 0 ? (float)(standard_error * standard_error * n) : 0;
         return out + 1;
     case AOV_CRYPTOMATTE: return put_mattes(aovs, OBJECTS, BEHIND_OBJECTS, pixel, p->n, out);
+    case AOV_LIGHTS: return put_means(sums + sums_before_lights(aovs), 3 * (int)aovs->groups.n, FILM_UNIT, n, out);
     case AOV_SPECTRUM: return put_spectrum(sums + sums_before_spectrum(aovs), out);
     case AOV_BEHIND_ALBEDO: return put_sight(aovs, AOV_ALBEDO, sums + AOV_SUMS, n, out);
     case AOV_BEHIND_NORMAL: return put_sight(aovs, AOV_NORMAL, sums + AOV_SUMS, n, out);
@@ -465,20 +488,30 @@ double aov_film_guide(const AovFilm *aovs, const Film *film, size_t pixel, float
     return looks;
 }
 
+/* The names of an AOV's channels, with that of a group of lights where it has one. Returns how many. */
+static uint32_t names_of_aov(Aov aov, const char *group, char (*names)[IMAGE_NAME_SIZE])
+{
+    uint32_t n = 0;
+    for (const char *rest = aov_channels(aov); *rest; n++) {
+        size_t length = strcspn(rest, "|"), before = strcspn(rest, "*");
+        if (before < length)
+            snprintf(names[n], sizeof *names, "%.*s%s%.*s", (int)before, rest, group, (int)(length - before - 1),
+                     rest + before + 1);
+        else
+            snprintf(names[n], sizeof *names, "%.*s", (int)length, rest);
+        rest += length + (rest[length] != 0);
+    }
+    return n;
+}
+
 /* The names of all channels: of the film, then of the AOVs in the order of the table. Returns how many. */
-static uint32_t channel_names(AovSet set, const Image *plain, char (*names)[IMAGE_NAME_SIZE])
+static uint32_t channel_names(const AovFilm *aovs, const Image *plain, char (*names)[IMAGE_NAME_SIZE])
 {
     uint32_t n = plain->n_channels;
     memcpy(names, plain->names, n * sizeof *names);
-    for (Aov aov = 0; aov < AOV_COUNT; aov++) {
-        if (!has(set, aov)) continue;
-        for (const char *rest = aov_channels(aov); *rest;) {
-            size_t length = strcspn(rest, "|");
-            memcpy(names[n], rest, length);
-            names[n++][length] = 0;
-            rest += length + (rest[length] != 0);
-        }
-    }
+    for (Aov aov = 0; aov < AOV_COUNT; aov++)
+        for (uint32_t i = 0; has(aovs->set, aov) && i < (aov == AOV_LIGHTS ? aovs->groups.n : 1); i++)
+            n += names_of_aov(aov, aovs->groups.names[i], names + n);
     return n;
 }
 
@@ -506,13 +539,13 @@ static void extend_row(void *context, uint32_t y, unsigned worker)
 Status aov_film_resolve(const AovFilm *aovs, const Film *film, const Spread *spread, Pool *pool, Image *image,
                         Error *error)
 {
-    enum { MOST_CHANNELS = 192 };
+    enum { MOST_CHANNELS = 160 + 3 * LIMIT_LIGHT_GROUPS };
     TRY(film_resolve(film, spread, pool, image, error));
     if (!aovs->set) return STATUS_OK;
     if (aovs->out_of_memory) return fail(error, STATUS_NOMEM, "out of memory for the film's further channels");
     char names[MOST_CHANNELS][IMAGE_NAME_SIZE];
     const char *pointers[MOST_CHANNELS];
-    uint32_t n = channel_names(aovs->set, image, names);
+    uint32_t n = channel_names(aovs, image, names);
     for (uint32_t i = 0; i < n; i++) pointers[i] = names[i];
     Image whole_image;
     Status status = image_new(image->width, image->height, pointers, n, &whole_image, error);

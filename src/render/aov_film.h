@@ -13,6 +13,7 @@ enum { AOV_GUIDES = 10, AOV_TALLIES = 5 };
 
 typedef struct AovFilm {
     AovSet set;
+    LightGroups groups; /* of lights, of AOV_LIGHTS */
     bool guides;        /* these are kept, whether they are in the set or not */
     const World *world; /* for aov_film_add; the others do not need it */
     uint32_t width, height;
@@ -23,9 +24,9 @@ typedef struct AovFilm {
 } AovFilm;
 
 /* With an empty set and without guides nothing is allocated, and the other functions do next to nothing. unit: see
- * aov_film_unit. */
-ATTR_NODISCARD Status aov_film_init(AovFilm *film, AovSet set, bool guides, double unit, uint32_t width,
-                                    uint32_t height, Error *error);
+ * aov_film_unit; groups: as the scene has them. */
+ATTR_NODISCARD Status aov_film_init(AovFilm *film, AovSet set, const LightGroups *groups, bool guides, double unit,
+                                    uint32_t width, uint32_t height, Error *error);
 /* In which the lengths of a scene are added up. */
 double aov_film_unit(const World *world);
 void aov_film_clear(AovFilm *film);
@@ -33,6 +34,11 @@ void aov_film_clear(AovFilm *film);
 static inline bool aov_film_needs_sight(const AovFilm *film)
 {
     return film->sums != NULL;
+}
+/* And how much light of each group of lights there is. */
+static inline bool aov_film_needs_groups(const AovFilm *film)
+{
+    return (film->set >> AOV_LIGHTS & 1) != 0;
 }
 /* And what is seen behind clear surfaces, of a pixel's sample of that number: for guides alone, some are enough. The first digits of a
  * number say where in the pixel a sample is, so that they are not every so-manyth. */

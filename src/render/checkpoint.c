@@ -11,7 +11,7 @@
 
 #define MAGIC "MNSSTATE"
 /* The mark's last digit counts what heads and blocks have been. */
-enum { BYTE_ORDER_MARK = 0x01020307, LARGEST_SIDE = 65536 };
+enum { BYTE_ORDER_MARK = 0x01020308, LARGEST_SIDE = 65536 };
 
 /* What a block begins with. */
 typedef struct Prefix {
@@ -29,13 +29,13 @@ typedef struct Head {
     uint32_t caught_pixel_size; /* 0: nothing in the scene catches shadows */
     uint32_t width, height, crop[4];
     uint32_t samples, first_sample, end_sample, guide_samples, least_samples, most_samples;
-    uint32_t aovs, spreads, guides, wants, n_facts, n_attributes;
-    uint32_t has_search, searching;
+    uint32_t aovs, spreads, guides, wants, n_facts, n_attributes, n_light_groups;
+    uint32_t has_search, searching, none; /* none: 0 */
     double unit, noise;
     PathCounters counters;
     uint64_t saturated_samples;
 } Head;
-_Static_assert(sizeof(Head) == 26 * 4 + 16 + sizeof(PathCounters) + 8, "the head of a checkpoint as bytes");
+_Static_assert(sizeof(Head) == 28 * 4 + 16 + sizeof(PathCounters) + 8, "the head of a checkpoint as bytes");
 _Static_assert(AOV_COUNT <= 32, "a set of AOVs in the head of a checkpoint");
 
 /* ---- writing ---- */
@@ -104,6 +104,7 @@ static void add_head(const Writing *writing, Buf *out)
                  .wants = state->wanted != NULL,
                  .n_facts = notes->n_facts,
                  .n_attributes = notes->n_attributes,
+                 .n_light_groups = state->aovs.groups.n,
                  .has_search = guide_search_is_begun(state->search),
                  .searching = guide_search_is_begun(state->search) && !guide_search_is_done(state->search),
                  .unit = state->aovs.unit,
@@ -114,6 +115,7 @@ static void add_head(const Writing *writing, Buf *out)
     uint64_t sum;
     film_count_samples(&state->film, state->crop, &head.least_samples, &head.most_samples, &sum);
     buf_add_bytes(out, (const char *)&head, sizeof head);
+    for (uint32_t i = 0; i < state->aovs.groups.n; i++) add_text(out, state->aovs.groups.names[i]);
     for (uint32_t i = 0; i < notes->n_facts; i++) {
         add_text(out, notes->facts[i].name);
         add_text(out, notes->facts[i].text);
@@ -288,6 +290,16 @@ static bool take_facts(BufReader *in, CheckpointNotes *notes)
     return true;
 }
 
+static bool take_light_groups(BufReader *in, uint32_t n, LightGroups *groups)
+{
+    *groups = (LightGroups){.n = 0};
+    while (groups->n < n) {
+        const char *name = take_text(in);
+        if (!name || !light_group_can_be(name) || light_groups_add(groups, name) + 1 != groups->n) return false;
+    }
+    return n > 0;
+}
+
 static bool head_can_be(const Head *head)
 {
     return head->width >= 1 && head->width <= LARGEST_SIDE && head->height >= 1 && head->height <= LARGEST_SIDE &&
@@ -331,7 +343,9 @@ static Status take_head(Checkpoint *file, uint64_t length, Error *error)
                                .noise = head.noise,
                                .n_facts = head.n_facts,
                                .n_attributes = head.n_attributes};
-    if (!take_facts(&in, notes) || in.left || !has_room(file, &head)) return fail_damaged(file, error);
+    if (!take_light_groups(&in, head.n_light_groups, &file->light_groups) || !take_facts(&in, notes) || in.left ||
+        !has_room(file, &head))
+        return fail_damaged(file, error);
     file->width = head.width;
     file->height = head.height;
     memcpy(file->crop, head.crop, sizeof file->crop);
@@ -382,7 +396,8 @@ Status checkpoint_make_state(const Checkpoint *file, uint32_t height, RenderStat
     if (status == STATUS_OK && file->spreads)
         status = bright_film_init(&state->bright, slice, file->width, height, error);
     if (status == STATUS_OK)
-        status = aov_film_init(&state->aovs, file->aovs, file->guides, file->unit, file->width, height, error);
+        status = aov_film_init(&state->aovs, file->aovs, &file->light_groups, file->guides, file->unit, file->width,
+                               height, error);
     size_t n = (size_t)(file->crop[2] - file->crop[0]) * (file->crop[3] - file->crop[1]);
     if (status == STATUS_OK && file->wants) {
         state->wanted = calloc(n, sizeof *state->wanted);

@@ -48,6 +48,7 @@ typedef struct Checkpoint {
     uint32_t width, height, crop[4];
     uint32_t least_samples, most_samples; /* that pixels have */
     AovSet aovs;
+    LightGroups light_groups;    /* of AOV_LIGHTS */
     double unit;                 /* of the AOVs' lengths */
     bool catches;                /* its scene has shadow catchers */
     bool spreads, guides, wants; /* holds bright samples; what a denoiser is guided by; is amid a plan of adapt.h */

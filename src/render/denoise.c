@@ -65,7 +65,7 @@ enum {
     PLANE_VALID = PLANE_GUIDE + AOV_GUIDES,
     PLANES,
     PLANE_CARRIED = PLANES,
-    PLANES_CARRIED = PLANES + DENOISE_CARRIED
+    PLANES_CARRIED = PLANES + DENOISE_MOST_CARRIED
 };
 
 /* Maps of the area's size. */
@@ -79,7 +79,7 @@ enum {
     MAP_LOST,
     MAPS,
     MAP_CARRIED = MAPS,
-    MAPS_CARRIED = MAPS + DENOISE_CARRIED
+    MAPS_CARRIED = MAPS + DENOISE_MOST_CARRIED
 };
 
 /* The area in planes, and what its mirror images add to whole tiles and a border around them. */
@@ -87,7 +87,7 @@ typedef struct Planes {
     uint32_t width, height; /* of the area */
     uint32_t tiles_x, tiles_y;
     size_t stride;                /* of rows with their borders */
-    int n_carried;                /* DENOISE_CARRIED, or 0: nothing is */
+    int n_carried;                /* channels */
     float *plane[PLANES_CARRIED]; /* where the area begins; PLANE_NOISE: squares of standard errors */
     float *maps[MAPS_CARRIED];
     float *memory;
@@ -95,9 +95,9 @@ typedef struct Planes {
     float passed_scale; /* 1 / what may be the difference between what two pixels see behind clear things */
 } Planes;
 
-static Status planes_new(Planes *planes, uint32_t width, uint32_t height, bool carries, Pool *pool, Error *error)
+static Status planes_new(Planes *planes, uint32_t width, uint32_t height, size_t n_carried, Pool *pool, Error *error)
 {
-    const size_t n_carried = carries ? DENOISE_CARRIED : 0, n_planes = PLANES + n_carried, n_maps = MAPS + n_carried;
+    const size_t n_planes = PLANES + n_carried, n_maps = MAPS + n_carried;
     uint32_t tiles_x = (width + TILE_X - 1) / TILE_X, tiles_y = (height + TILE_Y - 1) / TILE_Y;
     size_t stride = (size_t)tiles_x * TILE_X + 2 * BORDER, size = stride * ((size_t)tiles_y * TILE_Y + 2 * BORDER);
     size_t map_size = (size_t)width * height, bytes = (size * n_planes + map_size * n_maps) * sizeof(float);
@@ -262,7 +262,7 @@ static void fill_noise(const Planes *planes, const Film *film, const uint32_t ar
 typedef struct Tile {
     float apart[HIGH][WIDE]; /* of each pixel and the one beside it by the offset, by their colours */
     float rows[HIGH][WIDE];  /* the sums of that over 2 PATCH + 1 of a row */
-    float sums[4 + DENOISE_CARRIED][TILE_Y][TILE_X]; /* of what is taken: R, G, B, weights, and what is carried */
+    float sums[4 + DENOISE_MOST_CARRIED][TILE_Y][TILE_X]; /* of what is taken: R, G, B, weights, and what is carried */
 } Tile;
 
 /* exp(-d), about. */
@@ -497,7 +497,7 @@ Status denoise(const Film *film, const AovFilm *aovs, const uint32_t area[4], Po
                Error *error)
 {
     Planes planes;
-    TRY(planes_new(&planes, area[2] - area[0], area[3] - area[1], carried != NULL, pool, error));
+    TRY(planes_new(&planes, area[2] - area[0], area[3] - area[1], carried ? carried->n_channels : 0, pool, error));
     fill(&planes, film, aovs, area, image);
     if (carried) fill_carried(&planes, area, carried);
     fill_noise(&planes, film, area, image);

@@ -18,6 +18,7 @@
 #include "render/early.h"
 #include "render/film.h"
 #include "render/glance.h"
+#include "render/light_layers.h"
 #include "render/spread.h"
 #include "trace/catcher.h"
 #include "trace/guide.h"
@@ -517,8 +518,8 @@ static void forget_row(void *context, uint32_t index, unsigned worker)
 
 static Status aovs_init(RenderState *state, const RenderSettings *settings, const World *world, Error *error)
 {
-    return aov_film_init(&state->aovs, settings->aovs, settings->denoises, aov_film_unit(world), state->film.width,
-                         state->film.height, error);
+    return aov_film_init(&state->aovs, settings->aovs, &world->scene->light_groups, settings->denoises,
+                         aov_film_unit(world), state->film.width, state->film.height, error);
 }
 
 /* What this render's samples come to; nothing so far. */
@@ -589,7 +590,10 @@ static Status job_init(Job *job, Error *error)
     }
     job->state->aovs.world = job->world;
     count_before(job);
-    for (unsigned i = 0; i < job->n_threads; i++) job->tracers[i].notes_sight = aov_film_needs_sight(&job->state->aovs);
+    for (unsigned i = 0; i < job->n_threads; i++) {
+        job->tracers[i].notes_sight = aov_film_needs_sight(&job->state->aovs);
+        job->tracers[i].tells_groups = aov_film_needs_groups(&job->state->aovs);
+    }
     return STATUS_OK;
 }
 
@@ -707,15 +711,42 @@ static Status find_spread(const RenderState *state, Pool *pool, Spread *spread, 
     return spread_init(spread, &state->film, &state->bright, state->crop, pool, error);
 }
 
+/* With the same means for what catchers caught, the first channels of `carried` if there are any, and for layers of lights. */
+static Status denoise_all(const RenderState *state, const LightLayers *layers, Pool *pool, Image *image, Image *caught,
+                          Error *error)
+{
+    const uint32_t n_caught = caught->n_channels;
+    char names[DENOISE_MOST_CARRIED][16];
+    const char *pointers[DENOISE_MOST_CARRIED];
+    Image carried;
+    if (!layers->n)
+        return denoise(&state->film, &state->aovs, state->crop, pool, image, n_caught ? caught : NULL, error);
+    for (uint32_t i = 0; i < n_caught + 3 * layers->n; i++) {
+        snprintf(names[i], sizeof names[i], "carried %u", (unsigned)i);
+        pointers[i] = names[i];
+    }
+    TRY(image_new(image->width, image->height, pointers, n_caught + 3 * layers->n, &carried, error));
+    const LightLayers whole = {0, n_caught / 3};
+    light_layers_take(&whole, caught, &carried, 0);
+    light_layers_take(layers, image, &carried, n_caught);
+    Status status = denoise(&state->film, &state->aovs, state->crop, pool, image, &carried, error);
+    light_layers_put(layers, image, &carried, n_caught);
+    light_layers_put(&whole, caught, &carried, 0);
+    image_clear(&carried);
+    return status;
+}
+
 /* Fills in what has no samples yet, or averages noise away, and leaves of shadow catchers what they are in the picture. */
 static Status finish(const RenderState *state, bool complete, Pool *pool, Image *image, Error *error)
 {
     const Film *film = &state->film;
     uint32_t step = complete ? 1 : early_step(film, state->crop);
+    LightLayers layers = light_layers_of(image, &state->aovs.groups);
     Image caught = {0};
+    light_layers_follow(&layers, image);
     Status status = film->caught ? caught_means(film, image, &caught, error) : STATUS_OK;
     if (status == STATUS_OK && step <= 1 && state->aovs.guides)
-        status = denoise(film, &state->aovs, state->crop, pool, image, film->caught ? &caught : NULL, error);
+        status = denoise_all(state, &layers, pool, image, &caught, error);
     if (status == STATUS_OK && film->caught) caught_take_all(film, &caught, image);
     image_clear(&caught);
     if (status == STATUS_OK && step > 1) early_fill(film, state->crop, step, image);

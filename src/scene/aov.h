@@ -19,9 +19,10 @@ typedef uint32_t AovSet;
 /* Those of what is seen behind clear surfaces. */
 #define AOV_SET_BEHIND (AOV_SET_ALL & ~(((AovSet)1 << AOV_BEHIND_ALBEDO) - 1))
 
-const char *aov_name(Aov aov);     /* as --aov takes it */
-const char *aov_channels(Aov aov); /* with '|' between them */
-const char *aov_doc(Aov aov);      /* one sentence for the manual */
+const char *aov_name(Aov aov); /* as --aov takes it */
+const char *
+aov_channels(Aov aov);        /* with '|' between them; of AOV_LIGHTS for each group of lights, with its name for '*' */
+const char *aov_doc(Aov aov); /* one sentence for the manual */
 /* AOV_COUNT when there is none of that name, of which `length` bytes count. */
 Aov aov_named(const char *name, size_t length);
 

@@ -474,6 +474,7 @@ static Status build_requested(Request *request, const SceneOptions *options, Dia
 {
     *scene = NULL;
     Scene *made = calloc(1, sizeof *made);
+    if (made) made->light_groups = light_groups_none();
     if (!made) return fail_memory(error, sizeof *made, "the scene");
     arena_init(&made->arena);
     Builder *b = &request->builder;

@@ -188,6 +188,7 @@ static void add_sun(Builder *b, const EvalNode *node, double elevation, const fl
                         .span = build_author_place(b, node),
                         .object = SCENE_NONE,
                         .motion = SCENE_NONE,
+                        .group = scene->environment_group,
                         .hidden = scene->environment_hidden,
                         .to_world = affine_identity(),
                         .cos_angle = cos(half_angle)};
@@ -252,6 +253,7 @@ void build_environment(Builder *b, const EvalNode *node)
     }
     b->scene->world_to_environment.t = vec3(0, 0, 0);
     b->scene->environment_hidden = !eval_truth(node, "visible");
+    b->scene->environment_group = build_light_group(b, node);
     bool clear = eval_prop(node, "sky") && strcmp(eval_word(node, "sky"), "clear") == 0;
     for (size_t i = 0; i < COUNT_OF(of_sky) && !eval_prop(node, "sky"); i++)
         build_needs(b, node, of_sky[i], "without sky = clear or overcast");

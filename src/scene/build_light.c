@@ -24,12 +24,12 @@ typedef struct LightShape {
 } LightShape;
 
 static const LightShape shapes[] = {
-    {"quad", LIGHT_RECT, "|size|to|", "|size|to|angle|blend|radiance|power|color|visible|"},
-    {"disc", LIGHT_DISC, "|radius|to|", "|radius|to|angle|blend|radiance|power|color|visible|"},
-    {"sphere", LIGHT_SPHERE, "|radius|", "|radius|radiance|power|color|visible|"},
-    {"distant", LIGHT_DISTANT, "|to|", "|to|angle|radiance|power|color|visible|"},
-    {"point", LIGHT_POINT, "|", "|intensity|profile|to|power|color|"},
-    {"spot", LIGHT_POINT, "|to|", "|to|angle|blend|intensity|power|color|"},
+    {"quad", LIGHT_RECT, "|size|to|", "|size|to|angle|blend|radiance|power|color|light_group|visible|"},
+    {"disc", LIGHT_DISC, "|radius|to|", "|radius|to|angle|blend|radiance|power|color|light_group|visible|"},
+    {"sphere", LIGHT_SPHERE, "|radius|", "|radius|radiance|power|color|light_group|visible|"},
+    {"distant", LIGHT_DISTANT, "|to|", "|to|angle|radiance|power|color|light_group|visible|"},
+    {"point", LIGHT_POINT, "|", "|intensity|profile|to|power|color|light_group|"},
+    {"spot", LIGHT_POINT, "|to|", "|to|angle|blend|intensity|power|color|light_group|"},
     {"portal", LIGHT_PORTAL, "|size|to|", "|size|to|"},
 };
 
@@ -103,11 +103,31 @@ static bool report_other_shape(Builder *b, const EvalNode *node)
     return true;
 }
 
+uint32_t build_light_group(Builder *b, const EvalNode *node)
+{
+    const EvalProp *prop = eval_prop(node, "light_group");
+    LightGroups *groups = &b->scene->light_groups;
+    if (!prop) return 0;
+    if (!light_group_can_be(prop->as.text)) {
+        Diagnostic *report = diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop->span,
+                                         "'%s' cannot be the name of a group of lights", prop->as.text);
+        diag_hint(b->diag, report, "it becomes a part of the names of layers: 1 to %d letters, digits, '_' and '-'",
+                  LIGHT_GROUP_NAME_SIZE - 1);
+        return 0;
+    }
+    uint32_t group = light_groups_add(groups, prop->as.text);
+    if (group < groups->n) return group;
+    Diagnostic *report = diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop->span,
+                                     "there are more than %d groups of lights", LIMIT_LIGHT_GROUPS);
+    limit_hint(b->diag, report, OVER_LIGHT_GROUPS);
+    return 0;
+}
+
 /* Which properties each shape of light needs; the others it must not have. */
 static bool check_properties(Builder *b, const EvalNode *node, const LightShape *shape)
 {
-    static const char *const names[] = {"size",  "radius",   "to",        "angle",   "blend",  "color",
-                                        "power", "radiance", "intensity", "profile", "visible"};
+    static const char *const names[] = {"size",  "radius",   "to",        "angle",   "blend",   "color",
+                                        "power", "radiance", "intensity", "profile", "visible", "light_group"};
     if (report_other_shape(b, node)) return false;
     bool fine = build_exclude(b, node, "radiance", "power") && build_exclude(b, node, "intensity", "power");
     for (size_t i = 0; i < COUNT_OF(names); i++) {
@@ -300,5 +320,6 @@ void build_light(Builder *b, const EvalNode *node, const Affine *to_world)
         light.radiance = spectrum_constant(0);
     else if (!build_emission(b, node, "color", radiance_factor(b, node, &light, half_angle), &light.radiance))
         return;
+    light.group = build_light_group(b, node);
     build_add_light(b, &light);
 }

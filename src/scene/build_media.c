@@ -116,6 +116,8 @@ static void glow_of(Builder *b, const EvalNode *node, SceneMedium *medium)
     const EvalProp *emission = eval_prop(node, "emission"), *temperature = eval_prop(node, "temperature");
     medium->emission = spectrum_constant(0);
     Diagnostic *report = emission ? NULL : build_needs(b, node, "radiance", "without an 'emission'");
+    medium->light_group = build_light_group(b, node);
+    if (!emission) build_needs(b, node, "light_group", "without an 'emission'");
     if (report) diag_hint(b->diag, report, "the colour of the light: emission = #fff");
     if (temperature && (!emission || !is_term(emission, "blackbody"))) {
         report = diag_report(b->diag, D_MISSING_PROPERTY, temperature->span,

@@ -362,6 +362,8 @@ void build_text(Builder *b, const EvalNode *node, const Affine *to_world);
 void build_light(Builder *b, const EvalNode *node, const Affine *to_world);
 #define BUILD_SUNS_ANGLE 0.53 /* degrees, the whole disc */
 void build_add_light(Builder *b, const SceneLight *light);
+/* The group of lights that a node which shines is one of, of the scene's light_groups; reports names that cannot be. */
+uint32_t build_light_group(Builder *b, const EvalNode *node);
 /* build_profile.c: a light's profile, from the file that the property names; false after reporting. */
 bool build_profile(Builder *b, const EvalProp *prop, SceneLight *light);
 void build_environment(Builder *b, const EvalNode *node);

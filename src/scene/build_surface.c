@@ -478,7 +478,7 @@ bool build_surface_fits(Builder *b, const EvalProp *surface, bool clear)
 /* The mix's own row comes before those of its surfaces. */
 static void mix_of(Builder *b, const EvalNode *node, const EvalProp *mix, uint32_t row)
 {
-    static const char *const own[] = {"mix", "weight", "emission", "radiance", "shadow_catcher"};
+    static const char *const own[] = {"mix", "weight", "emission", "radiance", "light_group", "shadow_catcher"};
     for (size_t i = 0; i < node->n_props; i++) {
         const char *name = node->props[i].type->name;
         size_t k = 0;
@@ -546,9 +546,11 @@ uint32_t build_surface(Builder *b, const EvalNode *node)
     if (found) return known;
     const char *name = build_word(b, node);
     SceneSurface surface = plain_surface(name ? name : "surface", 0);
-    if (!eval_prop(node, "emission"))
+    surface.light_group = build_light_group(b, node);
+    if (!eval_prop(node, "emission")) {
         build_needs(b, node, "radiance", "without an 'emission'");
-    else if (eval_prop(node, "emission")->textured)
+        build_needs(b, node, "light_group", "without an 'emission'");
+    } else if (eval_prop(node, "emission")->textured)
         shine_by_texture(b, node, &surface);
     else if (build_emission(b, node, "emission", eval_number(node, "radiance"), &surface.emission))
         surface.emits = !spectrum_is_zero(&surface.emission);

@@ -22,6 +22,7 @@
 #include "optics/texture.h"
 #include "optics/volume.h"
 #include "scene/aov.h"
+#include "scene/light_groups.h"
 #include "scene/scene_light.h"
 
 #define SCENE_NONE UINT32_MAX
@@ -43,8 +44,9 @@ typedef struct SceneMedium {
     Spectrum emission;         /* radiance gained per scene unit, as SceneLight's */
     const Volume *temperature; /* NULL, or in kelvin where emission is that of a black body of reference_k */
     double reference_k;
-    bool mixes;  /* adds to the medium that owns a place, see scene_mixing_state */
-    bool models; /* others are instances of it */
+    uint32_t light_group; /* of what it shines, as SceneLight's */
+    bool mixes;           /* adds to the medium that owns a place, see scene_mixing_state */
+    bool models;          /* others are instances of it */
     NestState state;
     bool has_priority;
     int32_t priority;
@@ -111,6 +113,7 @@ typedef struct SceneSurface {
     Spectrum emission;         /* radiance, as SceneLight's; of one that a texture says, about its mean */
     uint32_t emission_texture; /* SCENE_NONE, or radiance from place to place, in units of: */
     float emission_factor;
+    uint32_t light_group; /* of what it shines, as SceneLight's */
     uint32_t mix[2];
     const SurfaceTexture *textures;
     bool textures_use_uv;     /* some texture of it asks for the surface's own coordinates, */
@@ -304,6 +307,8 @@ typedef struct Scene {
     Environment *environment;    /* NULL: black */
     Affine world_to_environment; /* rotation */
     bool environment_hidden;     /* the camera, looking straight at it, sees nothing */
+    uint32_t environment_group;  /* as SceneLight's */
+    LightGroups light_groups;
     SceneFilm film;
     SceneRender render;
     SceneAnimation animation;

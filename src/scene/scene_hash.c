@@ -440,6 +440,18 @@ static void hash_parts(Scene *scene, const Rows *rows, uint64_t environment_hash
     scene->part_hashes[SCENE_PART_ENVIRONMENT] = sky.state;
 }
 
+/* Pictures of groups are of one render only where all is in the same group. */
+static void add_light_groups(Hasher *h, const Scene *scene)
+{
+    if (scene->light_groups.n < 2) return;
+    for (uint32_t i = 0; i < scene->light_groups.n; i++)
+        add_bytes(h, scene->light_groups.names[i], strlen(scene->light_groups.names[i]));
+    for (uint32_t i = 0; i < scene->n_lights; i++) add_integer(h, scene->lights[i].group);
+    for (uint32_t i = 0; i < scene->n_surfaces; i++) add_integer(h, scene->surfaces[i].light_group);
+    for (uint32_t i = 0; i < scene->n_media; i++) add_integer(h, scene->media[i].light_group);
+    add_integer(h, scene->environment_group);
+}
+
 uint64_t scene_hash(Scene *scene, uint64_t environment_hash, Arena *scratch)
 {
     Hasher h = {0};
@@ -453,6 +465,7 @@ uint64_t scene_hash(Scene *scene, uint64_t environment_hash, Arena *scratch)
     add_cameras(&h, scene);
     add_integer(&h, environment_hash);
     add_environment(&h, scene);
+    add_light_groups(&h, scene);
     add_integer(&h, scene->film.width);
     add_integer(&h, scene->film.height);
     add_integer(&h, scene->film.box);

@@ -47,6 +47,7 @@ typedef struct SceneLight {
     uint32_t motion; /* of LIGHT_POINT, as SceneObject's; others move with their object */
     uint64_t identity;
     Affine to_world;             /* rigid: rotation and translation */
+    uint32_t group;              /* of the scene's light_groups */
     bool hidden;                 /* the camera looks past it */
     bool hangs;                  /* along its node's y axis: how it is turned about its own is of no meaning */
     Vec3 towards;                /* LIGHT_DISTANT: unit, from the scene to the light */

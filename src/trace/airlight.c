@@ -334,7 +334,9 @@ static void look(Path *path, const FlightStretch *stretch)
     ray.time = path->ray.time;
     bool arrives = path_light_arrives(path, &look.light, &ray, &light);
     path_turn_back(path->tracer);
-    if (arrives) flight_add_light(path, stretch->flight, lanes_mul(factor, light));
+    if (!arrives) return;
+    flight_add_light(path, stretch->flight, lanes_mul(factor, light),
+                     light_sample_group(path->tracer->world, &look.light));
 }
 
 void airlight_look(Path *path, const FlightStretch *stretch, double begin, double length)

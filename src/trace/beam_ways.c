@@ -497,25 +497,25 @@ static bool choose_place(const Path *path, float u, float v, double *t)
 
 /* ---- looks ---- */
 
-/* What is scattered there of the light that looks find by faces. density: of the place, of all that find it. */
-static Lanes gather(Path *path, const AirPlace *place, double t, float density)
+/* What is scattered there of the light that looks find by faces, of each look. density: of the place, of all that find it. */
+static void gather(Path *path, const AirPlace *place, double t, float density, LightLooks *looks,
+                   Lanes scattered[MOST_LIGHT_LOOKS])
 {
     const Airway *way = &path->way;
     const SurfacePlace there = {.position = ray_point(&path->ray, t), .apart = true};
     const LookPlace from = {NULL, &there, path_lights(path, false), vec3f(0, 0, 0)};
-    LightLooks looks;
-    Lanes sum = lanes_all(0);
-    path_look_at_light(path, &from, &looks);
-    for (uint32_t i = 0; i < looks.n; i++) {
-        const LightSample *light = &looks.lights[i];
+    const Lanes left = lanes_mul(place->coefficient, place->left);
+    path_look_at_light(path, &from, looks);
+    for (uint32_t i = 0; i < looks->n; i++) {
+        const LightSample *light = &looks->lights[i];
+        scattered[i] = lanes_all(0);
         if (!(light->pdf_w > 0) || !light->arrives) continue; /* what comes straight is looked for by airlight.c */
         Lanes pdf = phase_evaluate(place->phase, path->ray.direction, light->direction, path->wavelengths.nm);
         float by_chance =
             light->delta ? 0 : airlight_turn_density(way, place->phase, place->coefficient, place->depth, pdf);
         float weight = sampling_balance(light->pdf_w, by_chance) / (light->pdf_w * density);
-        sum = lanes_add(sum, lanes_mul(lanes_scale(pdf, weight), *light->arrives));
+        scattered[i] = lanes_mul(lanes_mul(lanes_scale(pdf, weight), *light->arrives), left);
     }
-    return lanes_mul(sum, lanes_mul(place->coefficient, place->left));
 }
 
 void beam_ways_look(Path *path, const FlightStretch *stretch)
@@ -538,10 +538,14 @@ void beam_ways_look(Path *path, const FlightStretch *stretch)
         return;
     }
     path->bounce = LOOKS + number;
-    Lanes light = gather(path, &place, t, density);
+    LightLooks looks;
+    Lanes scattered[MOST_LIGHT_LOOKS];
+    gather(path, &place, t, density, &looks, scattered);
     path->bounce = bounce;
     path_turn_back(tracer);
-    flight_add_light(path, stretch->flight, light);
+    for (uint32_t i = 0; i < looks.n; i++)
+        if (!lanes_zero(scattered[i]))
+            flight_add_light(path, stretch->flight, scattered[i], light_sample_group(tracer->world, &looks.lights[i]));
 }
 
 float beam_ways_rival(const Path *path)

@@ -191,7 +191,7 @@ static float weight_of(const Path *path, FlightPart *part, double t)
     return sampling_balance(path->scatter_pdf, choices * pdf);
 }
 
-void flight_add_light(Path *path, const FreeFlight *flight, Lanes basic)
+void flight_add_light(Path *path, const FreeFlight *flight, Lanes basic, uint32_t group)
 {
     Lanes factor = flight_lane_factor(flight),
           beta = lanes_mul(lanes_mul(path->beta, factor), flight_attenuation(flight->absorbed));
@@ -200,14 +200,16 @@ void flight_add_light(Path *path, const FreeFlight *flight, Lanes basic)
     Lanes more = lanes_scale(lanes_mul(beta, basic), 1 / mean_ratio);
     path->radiance = lanes_add(path->radiance, more);
     if (UNLIKELY(path->tracer->ledger)) path_note_found(path, more);
+    if (UNLIKELY(path->tracer->grouped)) path_add_to_group(path, more, group);
 }
 
-static void add_light(Path *path, const FreeFlight *flight, Lanes light)
+static void add_light(Path *path, const FreeFlight *flight, const FlightPart *part, Lanes light)
 {
     const World *world = path->tracer->world;
     uint32_t medium = nest_medium(&path->tracer->list);
     light = lanes_scale(light, path_found_part(path, INFINITY));
-    flight_add_light(path, flight, path_basic_radiance(world, light, medium, path->wavelengths.nm));
+    light = path_basic_radiance(world, light, medium, path->wavelengths.nm);
+    flight_add_light(path, flight, light, part->medium->light_group);
 }
 
 /* (1 - e^(-x length)) / x of each lane. */
@@ -220,21 +222,27 @@ static Lanes mean_way(Lanes extinction, float length)
     return extinction;
 }
 
+static bool shines(const FlightPart *part)
+{
+    return part->medium->emits && part->high > 0;
+}
+
 /* Where nothing varies, and light sampling does not look there: all of the piece in closed form, in the place of what is
  * gathered before and after the path is scattered. */
 static bool gather_even(Path *path, const FreeFlight *flight, const FlightPiece *piece)
 {
     const FlightParts *parts = &path->tracer->parts;
-    Lanes light = lanes_all(0);
     if (piece->excess > 0) return false;
     for (uint32_t i = 0; i < parts->n; i++) {
         const FlightPart *part = &parts->items[i];
-        if (!part->medium->emits || !(part->high > 0)) continue;
+        if (!shines(part)) continue;
         if (part->high > part->low || part->medium->temperature || part->glow) return false;
-        light = lanes_add(light, lanes_scale(part->emission, part->low));
     }
     Lanes way = mean_way(lanes_add(piece->absorption, piece->scattering), flight_length(piece->end - piece->begin));
-    add_light(path, flight, lanes_mul(light, way));
+    for (uint32_t i = 0; i < parts->n; i++) {
+        const FlightPart *part = &parts->items[i];
+        if (shines(part)) add_light(path, flight, part, lanes_mul(lanes_scale(part->emission, part->low), way));
+    }
     return true;
 }
 
@@ -244,17 +252,15 @@ static void gather_at_place(Path *path, const FreeFlight *flight, const FlightPi
     FlightParts *parts = &path->tracer->parts;
     FreeFlight up_to = *flight;
     double way = (double)u * length, t = piece->begin + way;
-    Lanes light = lanes_all(0);
-    for (uint32_t i = 0; i < parts->n; i++) {
-        FlightPart *part = &parts->items[i];
-        if (!part->medium->emits || !(part->high > 0)) continue;
-        light = lanes_add(light, lanes_scale(emission_at(part, &path->ray, t, path->wavelengths.nm),
-                                             weight_of(path, part, t) * (float)length));
-    }
-    if (lanes_zero(light)) return;
     up_to.scattered = lanes_add(up_to.scattered, lanes_scale(piece->scattering, (float)way));
     up_to.absorbed = lanes_add(up_to.absorbed, lanes_scale(piece->absorption, (float)way));
-    add_light(path, &up_to, light);
+    for (uint32_t i = 0; i < parts->n; i++) {
+        FlightPart *part = &parts->items[i];
+        if (!shines(part)) continue;
+        Lanes light = emission_at(part, &path->ray, t, path->wavelengths.nm);
+        if (lanes_zero(light)) continue;
+        add_light(path, &up_to, part, lanes_scale(light, weight_of(path, part, t) * (float)length));
+    }
 }
 
 /* ---- flights ---- */

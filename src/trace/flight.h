@@ -107,7 +107,7 @@ static inline float flight_part_density(const FlightPart *part, double t)
     return part->walks ? volume_walk_value(&part->walk, t) : 1;
 }
 /* Adds light, as basic radiance, with what beta and ratio have yet to be given of the flight. */
-void flight_add_light(Path *path, const FreeFlight *flight, Lanes basic);
+void flight_add_light(Path *path, const FreeFlight *flight, Lanes basic, uint32_t group);
 
 static inline Lanes flight_attenuation(Lanes depth)
 {

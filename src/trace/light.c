@@ -365,6 +365,7 @@ void light_sample_choice(const World *world, const LightChoice *chosen, LightQue
         else
             sample_light(world, &world->scene->lights[chosen->light], query, sample);
         sample->emitter = EMITTER_NONE;
+        sample->distant = chosen->light;
     }
     sample->choice = probability;
     sample->pdf_w *= probability;
@@ -467,6 +468,24 @@ bool light_reach(const World *world, uint32_t number, double time, Vec3 origin, 
     if (flat) return light_flat_reach(light, to_world, origin, direction, begin, end);
     Vec3 axis = vec3_normalize(affine_vector(to_world, vec3(0, 1, 0)));
     return light_cut_to_cone(vec3_sub(origin, to_world->t), vec3_from_f(direction), axis, light->cos_none, begin, end);
+}
+
+uint32_t light_sample_group(const World *world, const LightSample *sample)
+{
+    const Scene *scene = world->scene;
+    if (sample->of_sky) return scene->environment_group;
+    if (sample->emitter == EMITTER_NONE) return scene->lights[sample->distant].group;
+    const Emitter *emitter = &world->emitters.emitters[sample->emitter];
+    if (emitter->kind == EMITTER_LIGHT) return scene->lights[emitter->of].group;
+    if (emitter->kind == EMITTER_GLOW) return scene->media[world->media.glows[emitter->of].place->medium].light_group;
+    return scene->surfaces[scene->objects[emitter->of].surface].light_group;
+}
+
+uint32_t light_hit_group(const World *world, const Hit *hit)
+{
+    const ObjectLook *look = &world->looks[hit->object];
+    if (look->light != SCENE_NONE) return world->scene->lights[look->light].group;
+    return world->scene->surfaces[look->surface].light_group;
 }
 
 bool light_radiance_hit(const World *world, const Ray *ray, const Hit *hit, double footprint, Lanes wavelength_nm,

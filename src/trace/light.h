@@ -15,6 +15,7 @@ typedef struct LightSample {
     float pdf_w;        /* per steradian, the choice of the light included; 0: nothing to gain */
     const Glow *glow;   /* NULL, or the medium whose place this is, if that has not gone to another one there */
     uint32_t emitter;   /* of world->emitters; EMITTER_NONE: from infinitely far */
+    uint32_t distant;   /* of what is infinitely far and not of_sky: which of the scene's lights */
     float choice;       /* of pdf_w, what is the choice of the light */
     /* > 0: the place is on the surface of an operand, which need not be the combination's there; the surface is met at up to this
      * part of the distance beyond it. The object is the operand then */
@@ -40,6 +41,10 @@ static inline Lanes light_sample_radiance(const World *world, const LightSample 
     if (!sample->of_sky) return sample->radiance;
     return environment_radiance_at(world->scene->environment, &sample->sky, wavelength_nm);
 }
+
+/* The scene's group of lights that it is of, and that of what shines at a hit. */
+uint32_t light_sample_group(const World *world, const LightSample *sample);
+uint32_t light_hit_group(const World *world, const Hit *hit);
 
 /* Where light is looked for, when, and by which random numbers. */
 typedef struct LightQuery {
@@ -134,8 +139,9 @@ typedef struct LightRival {
 } LightRival;
 
 /* What comes from infinity along direction: environment and distant lights, each weighted by the balance heuristic, or all of it where
- * nothing competes; sight: those that are hidden to cameras do not count. */
-Lanes light_from_infinity(const World *world, const LightRival *rival, Vec3f direction, bool sight,
+ * nothing competes; sight: those that are hidden to cameras do not count. group: of the scene's light_groups, or LIGHT_GROUPS_ALL. */
+#define LIGHT_GROUPS_ALL UINT32_MAX
+Lanes light_from_infinity(const World *world, const LightRival *rival, Vec3f direction, bool sight, uint32_t group,
                           Lanes wavelength_nm);
 
 /* The environment's part of light_sample, without the choice of the environment itself: by the environment's own

@@ -160,13 +160,19 @@ static bool is_within(const SceneLight *light, Vec3f direction)
     return along > 0 && along * along >= light->cos_angle * light->cos_angle * vec3_dot(d, d);
 }
 
-Lanes light_from_infinity(const World *world, const LightRival *rival, Vec3f direction, bool sight, Lanes wavelength_nm)
+static inline bool is_of(uint32_t group, uint32_t asked)
+{
+    return LIKELY(asked == LIGHT_GROUPS_ALL) || group == asked;
+}
+
+Lanes light_from_infinity(const World *world, const LightRival *rival, Vec3f direction, bool sight, uint32_t group,
+                          Lanes wavelength_nm)
 {
     const Scene *scene = world->scene;
     const LightChoices *choices = rival->choices;
     const float weight_pdf = rival->pdf_w;
     Lanes sum = lanes_all(0);
-    if (scene->environment && !(sight && scene->environment_hidden)) {
+    if (scene->environment && !(sight && scene->environment_hidden) && is_of(scene->environment_group, group)) {
         bool weighed = weight_pdf >= 0 && choices->environment > 0;
         Vec3f local = environment_width(scene->environment) > 0 ? to_environment(world, direction) : direction;
         float pdf = 0;
@@ -177,7 +183,9 @@ Lanes light_from_infinity(const World *world, const LightRival *rival, Vec3f dir
     }
     for (uint32_t i = 0; world->has_distant && i < scene->n_lights; i++) {
         const SceneLight *light = &scene->lights[i];
-        if (light->kind != LIGHT_DISTANT || (sight && light->hidden) || !is_within(light, direction)) continue;
+        if (light->kind != LIGHT_DISTANT || (sight && light->hidden) || !is_of(light->group, group) ||
+            !is_within(light, direction))
+            continue;
         float pdf = choices->of_light[i] * sampling_cone_pdf((float)(1 - light->cos_angle));
         sum =
             lanes_add(sum, lanes_scale(spectrum_at(&light->radiance, wavelength_nm), weight_against(weight_pdf, pdf)));

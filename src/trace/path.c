@@ -216,6 +216,17 @@ static bool pass_noting(Path *path, Event *event)
     return goes_on;
 }
 
+/* Of light from infinity what is of each group: as it has its part in the radiance there. */
+static void add_to_groups(Path *path, const LightRival *rival, bool sight, Lanes radiance, Lanes more)
+{
+    const World *world = path->tracer->world;
+    Lanes all = lanes_greater(radiance, lanes_all(FLT_MIN)), nm = path->wavelengths.nm;
+    for (uint32_t i = 0; i < world->scene->light_groups.n; i++) {
+        Lanes of_group = light_from_infinity(world, rival, path->ray.direction, sight, i, nm);
+        path_add_to_group(path, lanes_mul(more, lanes_div(of_group, all)), i);
+    }
+}
+
 /* The path leaves the scene. */
 static void find_infinity(Path *path)
 {
@@ -228,9 +239,11 @@ static void find_infinity(Path *path)
         path->open = lanes_mean(path->beta) / lanes_mean(path->ratio);
     const LightRival rival = {path->scatter_lights, path->scatter_point, path->scatter_normal,
                               path->scatter_pdf / (1 + airlight_rival_far(path))};
-    Lanes radiance = light_from_infinity(world, &rival, path->ray.direction, sight, path->wavelengths.nm);
-    path_add_radiance(path, lanes_all(path_found_part(path, lanes_mean(radiance))),
-                      path_basic_radiance(world, radiance, WORLD_MEDIUM, path->wavelengths.nm));
+    Lanes radiance =
+        light_from_infinity(world, &rival, path->ray.direction, sight, LIGHT_GROUPS_ALL, path->wavelengths.nm);
+    Lanes more = path_add_radiance(path, lanes_all(path_found_part(path, lanes_mean(radiance))),
+                                   path_basic_radiance(world, radiance, WORLD_MEDIUM, path->wavelengths.nm));
+    if (UNLIKELY(tracer->grouped)) add_to_groups(path, &rival, sight, radiance, more);
     /* out here the ray is in nothing that is bounded, or a surface was lost */
     if (world->compiled->order.policy != NEST_NONE)
         tracer->counters.nesting_faults += compiled_bounded_in(world->compiled, &tracer->list);

@@ -129,6 +129,9 @@ typedef struct Tracer {
     Catching catching[2];       /* of both paths of the last sample, */
     CaughtSample caught;        /* and what that comes to; where the world has a bare one */
     SampleLight light;          /* of the last sample: nothing where it was bad */
+    /* NULL, or the same of each of the scene's groups of lights: of the path that is on its way, and in the end of the sample */
+    Lanes *grouped;
+    Lanes groups[2][LIMIT_LIGHT_GROUPS]; /* of both paths of a sample */
     /* what the last path met first: the object, a combination's own row, or beyond these what scatters, also behind boundaries;
      * SCENE_NONE: nothing, or a light */
     uint32_t seen;
@@ -136,7 +139,8 @@ typedef struct Tracer {
      * none */
     Reflected reflected;
     bool out_of_memory;
-    bool notes_sight; /* of each path: */
+    bool tells_groups; /* of each sample: grouped */
+    bool notes_sight;  /* of each path: */
     FirstSight first_sight;
     bool notes_behind; /* and with that: */
     FirstSight behind;

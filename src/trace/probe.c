@@ -120,6 +120,7 @@ void path_send_probe(Path *path, const GuideAt *guide, const LookPlace *from, co
     if (tracer->world->scene->n_textures > 0) path_widen(&probe);
     uint64_t rays = prober->counters.rays;
     prober->ledger = tracer->ledger;
+    prober->grouped = tracer->grouped;
     path_follow(&probe);
     if (UNLIKELY(tracer->ledger))
         guide_note(tracer->ledger, guide, GUIDE_SENT, (float)(prober->counters.rays - rays),

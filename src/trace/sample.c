@@ -204,6 +204,7 @@ void path_keep_fork(Path *path, const Event *event)
     if (!fork->kept) return;
     fork->path = *path;
     fork->path.n_counted--; /* it is yet to cross it */
+    if (UNLIKELY(tracer->grouped)) memcpy(tracer->groups[1], tracer->groups[0], sizeof tracer->groups[0]);
     fork->event = *event;
 }
 
@@ -260,6 +261,25 @@ static void take_caught(Tracer *tracer, const WavelengthSample *wavelengths, Ind
         if (!isfinite(caught->lit[i]) || !isfinite(caught->bare[i])) *caught = (CaughtSample){.part = 0};
 }
 
+/* Before both paths of a sample: light of each group is nothing so far. */
+static void clear_groups(Tracer *tracer)
+{
+    tracer->grouped = tracer->groups[0];
+    for (uint32_t i = 0; i < tracer->world->scene->light_groups.n; i++)
+        tracer->groups[0][i] = tracer->groups[1][i] = lanes_all(0);
+}
+
+/* What both paths found of each group becomes what the sample did, as all of their light does; of a bad one nothing. */
+static void share_out_groups(Tracer *tracer, IndexLanes lanes, bool forked, bool bad)
+{
+    for (uint32_t i = 0; i < tracer->world->scene->light_groups.n; i++) {
+        Lanes *sum = &tracer->groups[0][i];
+        if (forked) *sum = share_out(*sum, tracer->groups[1][i], lanes);
+        if (bad) *sum = lanes_all(0);
+    }
+    tracer->grouped = tracer->groups[0];
+}
+
 void trace_sample(Tracer *tracer, const FilmSample *sample, float rgb[3], float *alpha)
 {
     const World *world = tracer->world;
@@ -275,16 +295,21 @@ void trace_sample(Tracer *tracer, const FilmSample *sample, float rgb[3], float 
     Path path;
     PathFork fork;
     fork.kept = false;
+    if (UNLIKELY(tracer->tells_groups)) clear_groups(tracer);
     bool looks = follow_path(tracer, pixel, point, &wavelengths, lanes, &fork, &path);
+    const bool forked = path.bent_apart && lanes.first >= 0;
     tracer->counters.paths++;
-    if (path.bent_apart && lanes.first >= 0)
+    if (forked) {
+        tracer->grouped = tracer->tells_groups ? tracer->groups[1] : NULL;
         path.radiance =
             share_out(path.radiance, follow_again(tracer, pixel, point, &wavelengths, lanes, &fork, &path), lanes);
-    if (UNLIKELY(world->bare != NULL))
-        take_caught(tracer, &wavelengths, lanes, path.bent_apart && lanes.first >= 0, fork.kept, &path.radiance);
+    }
+    if (UNLIKELY(world->bare != NULL)) take_caught(tracer, &wavelengths, lanes, forked, fork.kept, &path.radiance);
     *alpha = looks ? 1 - path.open : 0;
     color_from_lanes(path.radiance, &wavelengths, rgb);
-    if (UNLIKELY(!isfinite(rgb[0]) || !isfinite(rgb[1]) || !isfinite(rgb[2]) || !isfinite(*alpha))) {
+    const bool bad = !isfinite(rgb[0]) || !isfinite(rgb[1]) || !isfinite(rgb[2]) || !isfinite(*alpha);
+    if (UNLIKELY(tracer->tells_groups)) share_out_groups(tracer, lanes, forked, bad);
+    if (UNLIKELY(bad)) {
         tracer->counters.bad_samples++;
         rgb[0] = rgb[1] = rgb[2] = 0;
         *alpha = 1;

@@ -23,12 +23,13 @@ Lanes path_basic_radiance(const World *world, Lanes radiance, uint32_t medium, L
     return lanes_div(radiance, lanes_mul(ior, ior));
 }
 
-void path_add_radiance(Path *path, Lanes factor, Lanes basic)
+Lanes path_add_radiance(Path *path, Lanes factor, Lanes basic)
 {
     float mean_ratio = lanes_mean(path->ratio);
     Lanes more = lanes_scale(lanes_mul(lanes_mul(path->beta, factor), basic), 1 / mean_ratio);
     path->radiance = lanes_add(path->radiance, more);
     if (UNLIKELY(path->tracer->ledger)) path_note_found(path, more);
+    return more;
 }
 
 static float mix_weight(const Path *path, const Event *event, const SceneSurface *surface)
@@ -219,7 +220,8 @@ void path_add_direct_light(Path *path, const LightSample *light, Ray *ray, Lanes
     if (LIKELY(!light->arrives)) others += airlight_rival_sample(path, light); /* which looks straight */
     float weight = sampling_balance(light->pdf_w, others);
     if (UNLIKELY(light->arrives && world->n_beam_ways)) weight /= 1 + beam_ways_rival(path);
-    path_add_radiance(path, lanes_scale(scattered, weight / light->pdf_w), basic);
+    Lanes more = path_add_radiance(path, lanes_scale(scattered, weight / light->pdf_w), basic);
+    if (UNLIKELY(path->tracer->grouped)) path_add_to_group(path, more, light_sample_group(world, light));
 }
 
 /* The density of a matte surface's directions. A lobe about the shading normal reaches below the surface; that part of it is
@@ -382,7 +384,9 @@ void path_add_emission(Path *path, const Hit *hit)
     else
         weight *= path_found_part(path, lanes_mean(radiance));
     uint32_t medium = nest_medium(&path->tracer->list);
-    path_add_radiance(path, lanes_all(weight), path_basic_radiance(world, radiance, medium, path->wavelengths.nm));
+    radiance = path_basic_radiance(world, radiance, medium, path->wavelengths.nm);
+    Lanes more = path_add_radiance(path, lanes_all(weight), radiance);
+    if (UNLIKELY(path->tracer->grouped)) path_add_to_group(path, more, light_hit_group(world, hit));
 }
 
 bool path_shade_opaque(Path *path, Event *event)

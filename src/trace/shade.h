@@ -83,8 +83,14 @@ static inline void path_start_ray(const Path *path, const Event *event, const Su
 void path_leave(Path *path, Event *event, const SurfacePlace *place, bool through, Vec3f direction);
 /* Radiance given in a medium, as basic radiance. */
 Lanes path_basic_radiance(const World *world, Lanes radiance, uint32_t medium, Lanes wavelength_nm);
-/* Adds what reaches the camera of a radiance seen at the end of the path. */
-void path_add_radiance(Path *path, Lanes factor, Lanes basic);
+/* Adds what reaches the camera of a radiance seen at the end of the path, and returns it. Whoever adds light tells the tracer which
+ * group of lights it is of, where that is asked for: path_add_to_group. */
+Lanes path_add_radiance(Path *path, Lanes factor, Lanes basic);
+static inline void path_add_to_group(const Path *path, Lanes more, uint32_t group)
+{
+    Lanes *sum = &path->tracer->grouped[group];
+    *sum = lanes_add(*sum, more);
+}
 /* The reflectance of an opaque surface where it was hit, at all the wavelengths of a ReflectedColor. */
 void path_albedos(const Path *path, const Event *event, const SceneSurface *surface,
                   const Lanes wavelength_nm[COLOR_FOURS], Lanes albedo[COLOR_FOURS]);

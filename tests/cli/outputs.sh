@@ -447,6 +447,62 @@ run render small.mns --pixel 8,5 --aov spectrum -q
 [ "$(grep -c '^S0\.[4-7][0-9]0nm [0-9]' out)" -eq 31 ] || flunk "not 31 bands"
 end
 
+begin "aov: the light of each group of lights, also of parts that are merged, and pictures with other lights"
+cat > groups.mns << END
+meniscus 1.0 unit cm
+medium water { ior = 1.33  state = liquid }
+sphere { interior = water  radius = 1 }
+ground { y = -1  surface = surface { albedo = .5 } }
+environment { color = rgb(.3, .4, .5)  light_group = "sky" }
+light { shape = sphere  from = <4, 9, 2>  radius = 1  radiance = 30  light_group = "key" }
+light { shape = sphere  from = <-4, 9, 2>  radius = 1  radiance = 9 }
+camera { from = <0, 2, 8>  to = <0, 0, 0>  fov = 30 }
+film { size = <24, 16>  aovs = [lights] }
+render { samples = 16  denoise = true }
+END
+run render groups.mns -o g.exr
+exits 0
+run info g.exr
+for group in key other sky; do says out " lights.$group.R float"; done
+run render groups.mns --pixel 3,9 -q
+matches out '^lights\.key\.G [0-9.]+$'
+run render groups.mns -o g1.exr --sample-range 1..7
+run render groups.mns -o g2.exr --sample-range 8..16
+run merge g1.exr g2.exr -o g3.exr
+exits 0
+run compare g.exr g3.exr --max-rmse 0
+exits 0
+run view g3.exr --layer lights.key -o a.png
+run view g.exr --layer lights.key -o b.png
+exits 0
+cmp -s a.png b.png || flunk "layers of lights differ in what was merged"
+run view g.exr --layer lights -o c.png
+exits 4
+says err "name one of them: lights.key, lights.other, lights.sky"
+sed 's/"sky"/"dome"/' groups.mns > other.mns
+run render other.mns -o g4.exr --sample-range 8..16
+run merge g1.exr g4.exr -o g5.exr
+exits 4
+run view g.exr -o plain.png
+run view g.exr -o same.png --light key=1 --light sky=1,1,1
+exits 0
+cmp -s plain.png same.png || flunk "lights that are not changed change the picture"
+run view g.exr -o dark.png --light key=0 --light sky=0 --light other=0
+run view g.exr -o darker.png --light key=0 --light sky=0 --light other=0 --exposure 5
+cmp -s dark.png darker.png || flunk "without lights it is not dark"
+run view g.exr -o x.png --light keys=2
+exits 4
+says err "the picture has no group of lights 'keys', only: key, other, sky; did you mean 'key'?"
+for wrong in key key= =2 key=2,3 key=1,2,3,4 key=-1 key=red; do
+    run view g.exr -o x.png --light "$wrong"
+    exits 2
+    says err "'--light $wrong' is not GROUP=FACTOR"
+done
+run view plain.png -o x.png --light key=2
+exits 4
+says err "the picture has no layers of lights"
+end
+
 begin "aov: further channels"
 small_scene
 run render small.mns -o plain.exr

@@ -147,6 +147,7 @@ static void sums_do_not_overflow(void **state)
     Error error;
     Film film;
     AovFilm aovs, twin;
+    const LightGroups groups = light_groups_none();
     Image image;
     World world = {0};
     AovSet set = (AovSet)1 << AOV_DEPTH | (AovSet)1 << AOV_POSITION | (AovSet)1 << AOV_UV;
@@ -154,8 +155,8 @@ static void sums_do_not_overflow(void **state)
     for (size_t i = 0; i < COUNT_OF(distances); i++) {
         double d = distances[i];
         assert_int_equal(film_init(&film, 1, 1, &error), STATUS_OK);
-        assert_int_equal(aov_film_init(&aovs, set, false, 0x1p-36, 1, 1, &error), STATUS_OK);
-        assert_int_equal(aov_film_init(&twin, set, false, 0x1p-36, 1, 1, &error), STATUS_OK);
+        assert_int_equal(aov_film_init(&aovs, set, &groups, false, 0x1p-36, 1, 1, &error), STATUS_OK);
+        assert_int_equal(aov_film_init(&twin, set, &groups, false, 0x1p-36, 1, 1, &error), STATUS_OK);
         aovs.world = twin.world = &world;
         Tracer tracer = {
             .first_sight = {.met = true, .distance = d, .position = {-d, d, 3 * d}, .uv = {(float)d, -(float)d}}};

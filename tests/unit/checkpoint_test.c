@@ -28,8 +28,10 @@ static void state_begin(RenderState *state, uint32_t first)
     assert_int_equal(film_init(&state->film, WIDTH, HEIGHT, &error), STATUS_OK);
     assert_int_equal(film_catch(&state->film, &error), STATUS_OK);
     assert_int_equal(bright_film_init(&state->bright, first > 0, WIDTH, HEIGHT, &error), STATUS_OK);
-    AovSet set = (AovSet)1 << AOV_CRYPTOMATTE | (AovSet)1 << AOV_DEPTH;
-    assert_int_equal(aov_film_init(&state->aovs, set, false, 0x1p-20, WIDTH, HEIGHT, &error), STATUS_OK);
+    AovSet set = (AovSet)1 << AOV_CRYPTOMATTE | (AovSet)1 << AOV_DEPTH | (AovSet)1 << AOV_LIGHTS;
+    LightGroups groups = light_groups_none();
+    assert_int_equal(light_groups_add(&groups, "key"), 1);
+    assert_int_equal(aov_film_init(&state->aovs, set, &groups, false, 0x1p-20, WIDTH, HEIGHT, &error), STATUS_OK);
     state->film.first_sample = first;
 }
 

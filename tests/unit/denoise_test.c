@@ -27,7 +27,8 @@ static void fill(Films *films, Level *level, uint32_t samples, float noise)
 {
     Error error;
     assert_int_equal(film_init(&films->film, WIDTH, HEIGHT, &error), STATUS_OK);
-    assert_int_equal(aov_film_init(&films->aovs, 0, true, 0x1p-20, WIDTH, HEIGHT, &error), STATUS_OK);
+    const LightGroups groups = light_groups_none();
+    assert_int_equal(aov_film_init(&films->aovs, 0, &groups, true, 0x1p-20, WIDTH, HEIGHT, &error), STATUS_OK);
     for (uint32_t y = 0; y < HEIGHT; y++)
         for (uint32_t x = 0; x < WIDTH; x++)
             for (uint32_t i = 0; i < samples; i++) {
@@ -40,18 +41,20 @@ static void fill(Films *films, Level *level, uint32_t samples, float noise)
             }
 }
 
+enum { CARRIED = 6 };
+
 /* What is carried along: the same colours, and half of them. */
 static Image carried_of(const Image *image)
 {
-    static const char *const names[DENOISE_CARRIED] = {"a", "b", "c", "d", "e", "f"};
+    static const char *const names[CARRIED] = {"a", "b", "c", "d", "e", "f"};
     Image carried;
     Error error;
-    assert_int_equal(image_new(WIDTH, HEIGHT, names, DENOISE_CARRIED, &carried, &error), STATUS_OK);
+    assert_int_equal(image_new(WIDTH, HEIGHT, names, CARRIED, &carried, &error), STATUS_OK);
     for (size_t i = 0; i < (size_t)WIDTH * HEIGHT; i++)
         for (size_t k = 0; k < 3; k++) {
             float color = image->pixels[i * image->n_channels + k];
-            carried.pixels[i * DENOISE_CARRIED + k] = color;
-            carried.pixels[i * DENOISE_CARRIED + 3 + k] = 0.5f * color;
+            carried.pixels[i * CARRIED + k] = color;
+            carried.pixels[i * CARRIED + 3 + k] = 0.5f * color;
         }
     return carried;
 }
@@ -61,7 +64,7 @@ static void is_carried(Image *carried, const Image *image)
 {
     for (size_t i = 0; i < (size_t)WIDTH * HEIGHT; i++)
         for (size_t k = 0; k < 3; k++) {
-            float color = image->pixels[i * image->n_channels + k], *carries = carried->pixels + i * DENOISE_CARRIED;
+            float color = image->pixels[i * image->n_channels + k], *carries = carried->pixels + i * CARRIED;
             assert_true(carries[k] == color);
             assert_near(carries[3 + k], 0.5f * color, 1e-5 * fabs((double)color));
         }

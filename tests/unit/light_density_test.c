@@ -57,8 +57,8 @@ static Lanes some_wavelengths(void)
 static double density_outside(const World *world, Vec3 from, Vec3f normal, Vec3f direction)
 {
     const LightRival none = {world_lights(world), from, normal, -1}, one = {world_lights(world), from, normal, 1};
-    Lanes all = light_from_infinity(world, &none, direction, false, some_wavelengths());
-    Lanes weighted = light_from_infinity(world, &one, direction, false, some_wavelengths());
+    Lanes all = light_from_infinity(world, &none, direction, false, LIGHT_GROUPS_ALL, some_wavelengths());
+    Lanes weighted = light_from_infinity(world, &one, direction, false, LIGHT_GROUPS_ALL, some_wavelengths());
     if (lanes_zero(all)) return 0;
     return (double)lanes_get(all, 0) / (double)lanes_get(weighted, 0) - 1;
 }
