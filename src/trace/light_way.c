@@ -150,7 +150,8 @@ static Meeting meet(Path *path, const Event *event)
 static LightTurn choose(const LightWays *ways, uint32_t way, uint32_t k, const LightStep *step)
 {
     const LightWay *own = &ways->ways[way];
-    LightTurn mirrored = step->transmitted > 0 ? LIGHT_MIRRORED : LIGHT_TOTAL;
+    /* a metal lets nothing through either, but keeps some */
+    LightTurn mirrored = step->transmitted > 0 || step->mirrored < .9999f ? LIGHT_MIRRORED : LIGHT_TOTAL;
     if (k < own->depth) return light_ways_step(ways, way, k)->turn;
     bool passes = step->transmitted >= step->mirrored;
     if (k == own->depth && own->from != SCENE_NONE) passes = light_ways_step(ways, own->from, k)->turn != LIGHT_PASSES;

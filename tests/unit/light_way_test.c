@@ -215,7 +215,7 @@ static void sheets_and_mirrors(void **state)
     assert_same(sheet->mirrored, all, 2.5e-4);
     assert_int_equal(water->turn, LIGHT_PASSES);
     assert_string_equal(name_of(&f, mirror), "mirror");
-    assert_int_equal(mirror->turn, LIGHT_TOTAL);
+    assert_int_equal(mirror->turn, LIGHT_MIRRORED);
     assert_same(mirror->mirrored, .5, .01);
     assert_int_equal(last(&f, 0)->turn, LIGHT_LEAVES);
     assert_same(last(&f, 0)->direction.y, 1, 1e-6);
