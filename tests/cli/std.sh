@@ -61,6 +61,13 @@ group { optics.lens()  translate(<-5 * 30cm, 0, 120cm>) }
 group { optics.lens { front = none  back = -40mm }  translate(<-4 * 30cm, 0, 120cm>) }
 group { optics.fresnel_lens()  translate(<-3 * 30cm, 0, 120cm>) }
 group { optics.corner_cube()  translate(<-2 * 30cm, 0, 120cm>) }
+group { optics.mirror()  translate(<-1 * 30cm, 0, 120cm + 40cm>) }
+group { optics.mirror { radius = -150mm }  translate(<0, 0, 120cm + 40cm>) }
+group { optics.mirror { radius = none }  translate(<1 * 30cm, 0, 120cm + 40cm>) }
+group { optics.parabolic_mirror()  translate(<2 * 30cm, 0, 120cm + 40cm>) }
+group { optics.parabolic_mirror { focus = -100mm  hole = 20mm }  translate(<3 * 30cm, 0, 120cm + 40cm>) }
+group { optics.elliptic_mirror()  translate(<4 * 30cm, 0, 120cm + 40cm>) }
+assert(optics.mirror_focus(radius = -150mm) == -75mm)
 assert(abs(optics.lens_focus(front = none, back = 50mm, n = 1.5) - 100mm) < 1e-6mm)
 let ball = sphere { radius = 2mm  interior = media.borosilicate }
 sphere { radius = 2mm  interior = media.foam()  center = <10 * 30cm, 0, 40cm> }
@@ -443,6 +450,53 @@ done
 run check bench.mns --ray=203,-50,2:.05,1,.1 --ray-least 20%
 matches out '  mirrored totally, in n_bk7 '
 says out "turned by 180° in all"
+end
+
+begin "std: curved mirrors send light where they say, far from the axis, too, and pictures of points are where they should be"
+mirror_scene() { # a mirror, and a small target
+    cat > mirrors.mns << SCENE
+meniscus 1.0 unit mm
+use "std/optics.mns" as optics
+use "std/media.mns" as media
+optics.$1
+sphere target { center = <0, $2, 0>  radius = .002  interior = media.water }
+camera { from = <0, 0, 900>  to = <0, 0, 0> }
+environment { }
+SCENE
+}
+while IFS='|' read -r mirror target ray; do
+    mirror_scene "$mirror" "$target"
+    run check mirrors.mns --ray="$ray"
+    exits 0
+    says out "target"
+    says out "mirrored"
+done << 'ROWS'
+mirror(radius = 200)|100|1,300,0:0,-1,0
+mirror(radius = 200)|200|0,200,0:.1,-1,.1
+parabolic_mirror(focus = 100)|100|15,300,0:0,-1,0
+parabolic_mirror(focus = 100, hole = 20)|100|0,300,59:0,-1,0
+elliptic_mirror()|240|0,60,0:.1,-1,0
+elliptic_mirror()|240|0,60,0:.5,-.6,.1
+elliptic_mirror()|60|0,240,0:.2,-1,0
+ROWS
+mirror_scene "mirror(radius = -200)" 400
+run check mirrors.mns --ray 2,300,0:0,-1,0
+says out "along 0.019999, 0.9998, 0"
+mirror_scene "parabolic_mirror(focus = -100)" 400
+run check mirrors.mns --ray 50,300,0:0,-1,0
+says out "along 0.47059, 0.88235, 0" # from <0, -100, 0>, by <50, -6.25, 0>
+while IFS='|' read -r mirror message; do
+    mirror_scene "$mirror" 400
+    run check mirrors.mns
+    exits 3
+    says err "$message"
+done << 'ROWS'
+mirror(radius = 20)|a mirror of a radius of less than 40, half of its diameter, does not reach its rim
+parabolic_mirror(focus = 0)|has a focus that is not 0
+parabolic_mirror(hole = 200)|larger than its hole
+elliptic_mirror(near = -5)|are above it
+elliptic_mirror(near = 5, far = 20)|is only 20 wide
+ROWS
 end
 
 begin "std: a lens that cannot be says why"

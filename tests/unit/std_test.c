@@ -63,6 +63,8 @@ static void media_have_their_published_indices(void **state)
         {"acrylic", 1.4905, 0, 1e-3},
         {"polycarbonate", 1.5846, 0, 1e-3},
         {"polystyrene", 1.5915, 0, 1e-3},
+        {"pvb", 1.48, 0, 1e-4},
+        {"grey_float", 1.5233, 0, 1e-4},
         {"emerald", 1.577, 0, 1e-4},
         {"dry_air", 1.0002768, 0, 1e-6},
         {"honey", 1.4915, 0, 2e-4},
@@ -120,6 +122,29 @@ static void water_and_ice_absorb_as_measured(void **state)
     assert_near(at(ice, 600), 4 * 3.14159265 * 5.73e-9 / 600e-6, 1e-10);
     assert_near(at(ice, 400), 4 * 3.14159265 * 2.365e-11 / 400e-6, 1e-12);
     fixture_clear(&f);
+}
+
+/* 4 pi k / wavelength of [Rubin 1985] */
+static void float_glass_absorbs_as_measured(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name;
+        double k;
+    } rows[] = {{"float_glass", 2.2e-7},
+                {"low_iron_glass", 4.632e-8},
+                {"green_float", 1.169e-6},
+                {"bronze_float", 3.725e-6},
+                {"grey_float", 4.913e-6}};
+    for (size_t i = 0; i < COUNT_OF(rows); i++) {
+        Fixture f;
+        char text[200];
+        snprintf(text, sizeof text, "sphere { interior = media.%s }", rows[i].name);
+        build(&f, text);
+        const SceneMedium *glass = &f.scene->media[f.scene->objects[0].medium];
+        assert_near(at(&glass->absorption, 550), 4 * 3.14159265 * rows[i].k / 550e-6, 1e-7);
+        fixture_clear(&f);
+    }
 }
 
 static void air_follows_its_density(void **state)
@@ -232,6 +257,7 @@ int main(void)
         cmocka_unit_test(media_have_their_published_indices),
         cmocka_unit_test(every_medium_can_be_used),
         cmocka_unit_test(water_and_ice_absorb_as_measured),
+        cmocka_unit_test(float_glass_absorbs_as_measured),
         cmocka_unit_test(air_follows_its_density),
         cmocka_unit_test(gems_have_their_facets),
         cmocka_unit_test(illuminants_have_their_chromaticities),
