@@ -23,7 +23,8 @@ static bool begin(const BuiltinCall *call, Value *result)
     }
     if (!eval_step(evaluator, call->expr->span)) return false;
     if (!evaluator->geometry && options->geometry)
-        evaluator->geometry = options->geometry->open(options->geometry_context, evaluator->diag, &evaluator->steps);
+        evaluator->geometry =
+            options->geometry->open(options->geometry_context, evaluator->unit_m, evaluator->diag, &evaluator->steps);
     if (evaluator->geometry) return true;
     eval_error(evaluator, call->expr, D_NO_GEOMETRY, "nothing is known of shapes here");
     return false;

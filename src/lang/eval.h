@@ -118,8 +118,8 @@ typedef struct EvalHit {
  * STATUS_OK; STATUS_SCENE when there is no answer, and why: the error's text, empty when diag has it; or what failed. */
 typedef struct EvalGeometry {
     /* What is remembered from one question to the next; NULL when there is no memory for it. Work is added to *steps: a
-     * step for a ray, many for what is built. */
-    void *(*open)(const void *context, Diag *diag, uint64_t *steps);
+     * step for a ray, many for what is built. unit_m: the scene's unit of length, for files that have one of their own. */
+    void *(*open)(const void *context, double unit_m, Diag *diag, uint64_t *steps);
     void (*close)(void *state);
     Status (*bounds)(void *state, const EvalNode *node, Box3 *box, Error *error);
     Status (*volume)(void *state, const EvalNode *node, double *volume, Error *error);

@@ -78,11 +78,12 @@ static void forget(Geometry *geometry)
     geometry->bytes = 0;
 }
 
-void *geometry_open(const void *context, Diag *diag, uint64_t *steps)
+void *geometry_open(const void *context, double unit_m, Diag *diag, uint64_t *steps)
 {
     Geometry *geometry = calloc(1, sizeof *geometry);
     if (!geometry) return NULL;
     geometry->options = context;
+    geometry->unit_m = unit_m;
     geometry->diag = diag;
     geometry->steps = steps;
     return geometry;
@@ -181,6 +182,7 @@ static Status build_model(Geometry *geometry, Model *model, Error *error)
                                   .diag = diag,
                                   .options = geometry->options,
                                   .eval_options = scene_eval_options(geometry->options),
+                                  .result = {.unit_m = geometry->unit_m},
                                   .black = SCENE_NONE,
                                   .grey = SCENE_NONE,
                                   .only_shapes = true,

@@ -49,6 +49,7 @@ typedef struct Table {
 
 typedef struct Geometry {
     const SceneOptions *options;
+    double unit_m; /* the scene's unit of length */
     Diag *diag;
     uint64_t *steps;
     Table models, asked;
@@ -60,7 +61,7 @@ typedef struct Geometry {
 } Geometry;
 
 /* The state of scene_geometry: its open and its close. */
-void *geometry_open(const void *context, Diag *diag, uint64_t *steps);
+void *geometry_open(const void *context, double unit_m, Diag *diag, uint64_t *steps);
 void geometry_close(void *state);
 /* What is known of the node, which is built when it is asked of for the first time; good until the next call. STATUS_SCENE
  * where it has no shape, and with an empty text where diag has said why. */

@@ -318,3 +318,19 @@ run info --json names.obj
 exits 0
 is_json out
 end
+
+begin "meshes: files that have a unit of their own can be asked for their shape, in scenes of any unit"
+cp "$root/examples/assets/brilliant.asc" stone.asc # half of its width is 5 mm
+for unit in mm cm; do
+    cat > asked.mns << SCENE
+meniscus 1.0 unit $unit
+use "std/studio.mns" as studio
+let stone = mesh { file = "stone.asc"  interior = medium { ior = 2.4  state = solid } }
+assert(abs(bounds(stone).max.x - 5mm) < .01mm, bounds(stone).max)
+assert(bounds(group { stone { translate(9mm * x) } }).max.x > 13.9mm and volume(stone) > 100mm * 1mm * 1mm)
+studio.gem_shot(10mm) { stone { } }
+SCENE
+    run check asked.mns --werror
+    exits 0
+done
+end
