@@ -173,6 +173,11 @@ static Stmt *parse_bind(Parser *parser)
     Stmt *stmt = stmt_new(parser, STMT_BIND, token_span(parser));
     stmt->as.bind.variable = parser->token.kind == TOKEN_VAR;
     consume(parser);
+    if (parser->token.kind == TOKEN_PAREN_OPEN) { /* let (a = 1, b = 2), as before a value */
+        Diagnostic *report = expected_error(parser, "a name to declare");
+        if (report) diag_hint(parser->diag, report, "write: let a = ..., and the next name in a let of its own");
+        return NULL;
+    }
     if (!expect_name(parser, "to declare", &stmt->as.bind.name, &stmt->as.bind.name_span)) return NULL;
     if (parser->token.kind == TOKEN_COMMA) {
         parse_names_together(parser, stmt->as.bind.name);

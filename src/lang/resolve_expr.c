@@ -792,15 +792,17 @@ void resolve_node(Resolver *resolver, NodeExpr *node, bool expression)
     find_node(resolver, node);
     resolver->for_texture = false;
     if (node->def && (expression || !node->def->block)) {
-        const char *name = node->def->name->text;
-        Diagnostic *report =
-            diag_report(resolver->diag, D_NOT_A_MACRO, node->path.span,
-                        expression ? "a macro places nodes; it is no value" : "'%s' is a function, not a macro", name);
+        const char *name = node->def->name->text, *path = path_text(resolver, &node->path);
+        const bool function = node->def->body != NULL;
+        Diagnostic *report = diag_report(resolver->diag, D_NOT_A_MACRO, node->path.span,
+                                         !function    ? "a macro places nodes; it is no value"
+                                         : expression ? "'%s' is a function: its arguments stand in round brackets"
+                                                      : "'%s' is a function, not a macro",
+                                         name);
         if (expression && node->def->block)
-            diag_hint(resolver->diag, report, "a group of what it places is one: group { %s { ... } }",
-                      path_text(resolver, &node->path));
-        else if (node->def->body)
-            hint_at_call(resolver, report, node->def, name);
+            diag_hint(resolver->diag, report, "a group of what it places is one: group { %s { ... } }", path);
+        else if (function)
+            hint_at_call(resolver, report, node->def, path);
         if (node->path.n == 1 && schema_node(resolver->schema, name)) {
             diag_note(resolver->diag, report, node->def->span, "declared here");
             diag_hint(resolver->diag, report, "it hides the node of that name: call it otherwise");
