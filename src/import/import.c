@@ -139,7 +139,7 @@ static void write_head(Importer *im)
     if (im->by_material)
         import_note(im, "it has more than %d objects: those of one material are one object here", IMPORT_MOST_OBJECTS);
     import_write_comment(im);
-    if (im->dark || im->paper) buf_add(im->text, "\nuse \"std/studio.mns\" as studio\n");
+    if (im->dark || im->paper || im->room) buf_add(im->text, "\nuse \"std/studio.mns\" as studio\n");
     if (!*im->model) return;
     buf_format(im->text, "\nlet %s = ", im->model);
     value_print_text(im->text, im->options->file);

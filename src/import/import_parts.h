@@ -66,6 +66,7 @@ typedef struct Importer {
     bool failed;         /* memory ended */
     double exposure;     /* stops, where the lights of the file are far from what a picture needs */
     bool dark, paper;    /* there are to be lights of the studio, and its floor */
+    bool room;           /* and around them its room with windows */
     char model[32];      /* the name of the file's name; "": it is written out */
     bool stem_is_read;   /* a picture that the scene reads is called as its own would be */
     bool by_material;    /* there are too many objects, and those of one material are one */

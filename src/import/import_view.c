@@ -160,6 +160,13 @@ static bool all_clear(const Importer *im)
     return im->n_items > 0;
 }
 
+static bool any_clear(const Importer *im)
+{
+    for (size_t i = 0; i < im->n_items; i++)
+        if (import_material_of(im, &im->items[i])->clear) return true;
+    return false;
+}
+
 static void write_studio(Importer *im)
 {
     Box3 box = im->shown;
@@ -213,7 +220,27 @@ void import_choose_lights(Importer *im)
     ImportFloor floor = im->options->floor;
     im->exposure = choose_exposure(im);
     im->dark = im->source->n_lights == 0 && !any_shines(im);
+    im->room = !im->dark && any_clear(im);
     im->paper = floor == FLOOR_ON || (floor == FLOOR_AUTO && (im->dark || all_clear(im)) && !has_floor(im));
+}
+
+/* What is around the things shown, of which mesh files say nothing. Glass shows it: where it is even, glass is seen by its rims
+ * alone, so that it gets something to mirror. */
+static void write_surrounding(Importer *im)
+{
+    const bool lit = im->source->n_lights > 0;
+    if (im->room)
+        import_say(im, "The light of a room with two windows, of which such a file says nothing: glass shows what is "
+                       "around it.");
+    else if (!im->dark)
+        import_say(im,
+                   "A little light from all around, of which such a file says nothing: metal shows what is around it.");
+    NodeText around = node_begin(im, im->room ? "studio.room" : "environment", NULL);
+    const double of_walls = lit ? 0.15 : 0.2, even = im->dark ? 0.23 : lit ? 0.05 : 0.2;
+    node_number(&around, im->room ? "light" : "color",
+                (im->room ? of_walls : even) * (lit ? pow(2, -im->exposure) : 1));
+    if (im->room) buf_format(&around.line, "  rotate(y, %g)", round(azimuth_of_view(im)));
+    node_end(&around);
 }
 
 void import_write_lights(Importer *im)
@@ -227,12 +254,7 @@ void import_write_lights(Importer *im)
     import_write_comment(im);
     for (size_t i = 0; i < source->n_lights; i++) write_light(im, &source->lights[i]);
     if (im->dark || im->paper) write_studio(im);
-    if (!im->dark)
-        import_say(im,
-                   "A little light from all around, of which such a file says nothing: glass shows what is around it.");
-    NodeText around = node_begin(im, "environment", NULL);
-    node_number(&around, "color", im->dark ? 0.23 : source->n_lights ? 0.05 * pow(2, -im->exposure) : 0.2);
-    node_end(&around);
+    write_surrounding(im);
 }
 
 /* ---- cameras ---- */

@@ -97,8 +97,8 @@ let colors = [lights.illuminant_d(5000K), lights.illuminant_d50(), lights.illumi
   lights.illuminant_e(), lights.illuminant_f2(), lights.illuminant_f7(), lights.illuminant_f11(), lights.illuminant_led_b3()]
 for (i in 0..<len(colors)) { lights.lamp { at = <i * 100mm, 1200mm, 0>  color = colors[i] } }
 lights.sun()
-param clouded = false
-if (clouded) { lights.overcast() } else { lights.daylight() }
+param around = "sky" in ["sky", "clouds", "room"]
+if (around == "clouds") { lights.overcast() } else if (around == "room") { studio.room { light = .5  rotate(y, 30) } } else { lights.daylight() }
 SCENE
 }
 
@@ -110,8 +110,10 @@ for unit in mm cm m; do
     no_complaint err
     sed -n '/^Clear/,$p' out > "report.$unit"
 done
-run check all.mns -D clouded=true --werror
-exits 0
+for around in clouds room; do
+    run check all.mns -D around=$around --werror
+    exits 0
+done
 says report.mm drink
 cmp -s report.mm report.cm || flunk "$(diff report.mm report.cm)"
 cmp -s report.mm report.m || flunk "$(diff report.mm report.m)"

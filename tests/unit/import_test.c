@@ -578,6 +578,16 @@ static void dim_lights_get_an_exposure(void **state)
     assert_says(&made, "environment { color = 0.0007813 }");
     assert_notes(&made, "its lights are too dim for a picture as they are");
     made_clear(&made);
+    /* glass with a lamp is in a room, which it mirrors */
+    import_text(
+        &made,
+        HEAD "\"nodes\": [{\"mesh\": 0}, {\"translation\": [0.5, 2.5, 0.5], \"extensions\": {\"KHR_lights_punctual\": "
+             "{\"light\": 0}}}], \"extensions\": {\"KHR_lights_punctual\": {\"lights\": [{\"type\": \"point\", "
+             "\"intensity\": 5000}]}}, \"materials\": [" LOOK("") GLASS "}}], \"meshes\": [{\"primitives\": [" CLOSED
+                                                                        ", \"material\": 0}]}], " BUFFERS "}");
+    assert_says(&made, "use \"std/studio.mns\" as studio");
+    assert_says(&made, "studio.room { light = 0.15  rotate(y, 30) }");
+    made_clear(&made);
 }
 
 static void a_file_without_light_gets_some_and_a_floor_unless_it_has_one(void **state)
