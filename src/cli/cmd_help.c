@@ -1,5 +1,6 @@
 /* cmd_help.c - the commands help and version.
  * SPDX-License-Identifier: Apache-2.0 */
+#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -290,7 +291,7 @@ static void join_words(const Options *options, const char *between, Buf *topic)
 }
 
 /* Several words are one topic, however such are joined: double glazing, open mesh, camera fov, std glassware. A hyphen
- * can stand between them as well: tilt-shift. */
+ * can stand between them as well, tilt-shift, and capitals and apostrophes are of no account. */
 static Status explain_words(const Options *options, Buf *out, Error *error)
 {
     enum { BLANK, UNDERSCORE, HYPHEN, N_BETWEEN = 5 };
@@ -298,8 +299,8 @@ static Status explain_words(const Options *options, Buf *out, Error *error)
     Buf topic[N_BETWEEN + 1] = {0};
     Status status = STATUS_OK;
     for (size_t i = 0; i < N_BETWEEN; i++) join_words(options, between[i], &topic[i]);
-    for (const char *at = buf_text(&topic[UNDERSCORE]); *at; at++)
-        buf_format(&topic[N_BETWEEN], "%c", *at == '-' ? '_' : *at);
+    for (const char *at = buf_text(&topic[UNDERSCORE]); *at; at++) /* Newton's rings */
+        if (*at != '\'') buf_format(&topic[N_BETWEEN], "%c", *at == '-' ? '_' : tolower((unsigned char)*at));
     for (size_t i = 0; status == STATUS_OK && !out->length && i < COUNT_OF(topic); i++)
         status = explain(buf_text(&topic[i]), out, error);
     static const size_t refused[] = {UNDERSCORE, HYPHEN, N_BETWEEN, BLANK};

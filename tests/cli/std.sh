@@ -68,6 +68,7 @@ group { optics.parabolic_mirror()  translate(<2 * 30cm, 0, 120cm + 40cm>) }
 group { optics.parabolic_mirror { focus = -100mm  hole = 20mm }  translate(<3 * 30cm, 0, 120cm + 40cm>) }
 group { optics.elliptic_mirror()  translate(<4 * 30cm, 0, 120cm + 40cm>) }
 assert(optics.mirror_focus(radius = -150mm) == -75mm)
+assert(lights.sun_at(0, 0, 3, 20, 12).x > 87)
 assert(abs(optics.lens_focus(front = none, back = 50mm, n = 1.5) - 100mm) < 1e-6mm)
 let ball = sphere { radius = 2mm  interior = media.borosilicate }
 sphere { radius = 2mm  interior = media.foam()  center = <10 * 30cm, 0, 40cm> }
@@ -97,8 +98,8 @@ let colors = [lights.illuminant_d(5000K), lights.illuminant_d50(), lights.illumi
   lights.illuminant_e(), lights.illuminant_f2(), lights.illuminant_f7(), lights.illuminant_f11(), lights.illuminant_led_b3()]
 for (i in 0..<len(colors)) { lights.lamp { at = <i * 100mm, 1200mm, 0>  color = colors[i] } }
 lights.sun()
-param around = "sky" in ["sky", "clouds", "room"]
-if (around == "clouds") { lights.overcast() } else if (around == "room") { studio.room { light = .5  rotate(y, 30) } } else { lights.daylight() }
+param around = "sky" in ["sky", "clouds", "room", "place"]
+if (around == "place") { lights.daylight_at(52.5, 13.4, 6, 21, 13, zone = 2) } else if (around == "clouds") { lights.overcast() } else if (around == "room") { studio.room { light = .5  rotate(y, 30) } } else { lights.daylight() }
 SCENE
 }
 
@@ -110,7 +111,7 @@ for unit in mm cm m; do
     no_complaint err
     sed -n '/^Clear/,$p' out > "report.$unit"
 done
-for around in clouds room; do
+for around in clouds room place; do
     run check all.mns -D around=$around --werror
     exits 0
 done
@@ -499,6 +500,28 @@ parabolic_mirror(hole = 200)|larger than its hole
 elliptic_mirror(near = -5)|are above it
 elliptic_mirror(near = 5, far = 20)|is only 20 wide
 ROWS
+end
+
+begin "std: the sun stands where it does, at noon, in the evening and in the south"
+cat > sun.mns << 'SCENE'
+meniscus 1.0 unit m
+use "std/lights.mns" as lights
+def near(a, elevation, azimuth) = abs(a.x - elevation) < .03 and abs(a.y - azimuth) < .03
+// I. Reda and A. Andreas, Solar Energy 76, 577 (2004): zenith 50.11162, azimuth 194.34024 from north
+assert(near(lights.sun_at(39.742476, -105.1786, 10, 17, 12 + 30.5 / 60, zone = -7, year = 2003), 39.88838, 180 - 194.34024), 1)
+let sydney = lights.sun_at(-33.87, 151.2, 12, 21, 12, zone = 11)
+assert(abs(sydney.y) > 90 and sydney.y > 0 and sydney.x > 75, sydney)  // before noon: north, and a little east
+let evening = lights.sun_at(52.5, 13.4, 6, 21, 20, zone = 2)
+assert(evening.y < -100 and evening.x > 5 and evening.x < 15, evening)
+assert(abs(lights.sun_at(52.5, 13.4, 6, 21, 20, zone = 2, north = 30).y - evening.y - 30) < 1e-9)
+assert(lights.sun_at(52.5, 13.4, 2, 29, 0, year = 2024).x == lights.sun_at(52.5, 13.4, 2, 28, 24, year = 2024).x)
+sphere { }
+camera { from = <0, 0, 9>  to = <0, 0, 0> }
+lights.daylight_at(52.5, 13.4, 12, 21, 23)
+SCENE
+run check sun.mns
+exits 3
+says err "it is night there: the sun is 60."
 end
 
 begin "std: a lens that cannot be says why"

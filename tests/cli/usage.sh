@@ -93,6 +93,9 @@ refuses "is named twice" render small.mns -o a.exr -o a.exr
 refuses "option '-o': the value is empty" render small.mns -o ''
 refuses "display 'nowhere'" render small.mns -o a.png --display nowhere
 refuses "there is no completion for 'tcsh'" completion tcsh
+run help "Newton's Rings"
+exits 0
+says out "no etalons"
 run help hdri
 exits 0
 says out 'environment { image = "studio.exr" }'
@@ -144,6 +147,20 @@ snow phase = hg(.85)
 tiles bond = 0
 pool function = waves
 milk use "std/media.mns" as media
+sun_position lights.daylight_at(
+mirage media.air_at(
+pearl film = 420nm
+opal scatters
+amber ior = 1.54
+slow --denoise on
+ctrl-c --resume
+crema media.foam(
+prongs gems.faceted(
+concave_mirror optics.mirror
+float tint = rgb(
+staircase media.pvb
+white_background studio.cutout_shot(
+aberration --ray
 media.acrylic Acrylic glass, PMMA
 wine_glass use "std/glassware.mns" as glassware
 scatter Places what stands behind it n times on a disc
