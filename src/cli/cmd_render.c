@@ -5,6 +5,7 @@
 
 #include "base/clock.h"
 #include "base/file.h"
+#include "base/memory.h"
 #include "check/report.h"
 #include "cli/commands.h"
 #include "cli/render_run.h"
@@ -36,6 +37,21 @@ static Status probe_view(RenderRun *run, Error *error)
     return status;
 }
 
+/* Memory that is not there is promised all the same; the system then ends the program in the midst of its work. */
+static void warn_of_memory(const RenderRun *run)
+{
+    const double of_a_pixel = 320,
+                 machine = memory_of_machine(); /* film, bright samples, the picture: without more channels */
+    const uint32_t *crop = run->settings.crop;
+    double width = crop[2] ? crop[2] - crop[0] : run->settings.width;
+    double height = crop[3] ? crop[3] - crop[1] : run->settings.height, needed = of_a_pixel * width * height;
+    if (machine > 0 && needed > 0.8 * machine)
+        talk_warning(run->talk,
+                     "%.0f x %.0f pixels need some %.0f GB of memory, and this machine has %.0f: parts of a picture, "
+                     "by '--crop', are put together by 'meniscus merge'; meniscus help poster",
+                     width, height, needed / 1e9, machine / 1e9);
+}
+
 /* All that can be done before the first frame's turn. */
 static Status prepare(RenderRun *run, Error *error)
 {
@@ -45,6 +61,7 @@ static Status prepare(RenderRun *run, Error *error)
     run->input.scene_options.pool = run->pool;
     TRY(scene_input_build(&run->input, error));
     TRY(render_settings_merge(run, error));
+    warn_of_memory(run);
     TRY(preview_open(option_text(options, OPTION_PREVIEW, NULL), file_name(run->input.path), &run->preview, error));
     TRY(render_plan_frames(run, error));
     if (option_given(options, OPTION_AOV) && !run->plan.has_exr && !option_given(options, OPTION_RENDER_PIXEL))

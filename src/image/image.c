@@ -9,10 +9,10 @@
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include "base/file.h"
 #include "base/file_reads.h"
+#include "base/memory.h"
 
 enum { MAX_SIDE = 65536, MAX_CHANNELS = 1024 };
 
@@ -29,7 +29,7 @@ Status image_new(uint32_t width, uint32_t height, const char *const *names, uint
     /* at most 2^32 * 2^10 * 4 = 2^44 bytes: no overflow where size_t has 64 bits */
     uint64_t bytes = (uint64_t)width * height * n_channels * sizeof(float);
     /* Memory that is not there is promised all the same, and then ends the program. */
-    double machine = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
+    double machine = memory_of_machine();
     if (machine > 0 && (double)bytes > machine)
         return fail(
             error, STATUS_NOMEM, "a picture of %lu x %lu pixels and %lu channels needs %.0f GB, and there are %.0f",

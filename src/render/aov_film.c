@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "base/json.h"
+#include "base/memory.h"
 
 /* A length takes two sums: of its lower bits, and of what is above those. So 2^31 samples of it can be added up. */
 enum { LENGTH_BITS = 31, LENGTH_SUMS = 2 };
@@ -157,7 +158,7 @@ Status aov_film_init(AovFilm *film, AovSet set, const LightGroups *groups, bool 
     bool film_has_all = !(set & ~((AovSet)1 << AOV_SAMPLES | (AovSet)1 << AOV_VARIANCE));
     if (film_has_all && !guides) return STATUS_OK;
     size_t n_sums = n * sums_of_pixel(film);
-    film->sums = calloc(n_sums, sizeof *film->sums);
+    film->sums = memory_sparse(n_sums, sizeof *film->sums);
     bool ready = film->sums != NULL;
     for (int i = 0; i < AOV_TALLIES; i++) {
         if (!has(set, i < BEHIND_OBJECTS ? AOV_CRYPTOMATTE : AOV_BEHIND_CRYPTOMATTE)) continue;
@@ -172,7 +173,7 @@ void aov_film_clear(AovFilm *film)
 {
     size_t n = (size_t)film->width * film->height;
     for (int i = 0; i < AOV_TALLIES; i++) tallies_free(film->tallies[i], n);
-    free(film->sums);
+    memory_sparse_free(film->sums, n * sums_of_pixel(film) * sizeof *film->sums);
     *film = (AovFilm){0};
 }
 

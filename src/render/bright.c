@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
+
 /* Of one sample: one that chose among several ways may say more than 1. */
 #define MOST_REFLECTED 4.0f
 /* Of all samples of a render, in sum: far more than any can have, and so little that sums of sums of files stay in 64 bits. */
@@ -13,8 +15,8 @@
 Status bright_film_init(BrightFilm *film, bool slice, uint32_t width, uint32_t height, Error *error)
 {
     size_t n = (size_t)width * height, size = n * (sizeof(BrightPixel) + (slice ? sizeof(BrightSlice) : 0));
-    *film = (BrightFilm){.width = width, .height = height, .pixels = calloc(n, sizeof(BrightPixel))};
-    if (slice) film->slices = calloc(n, sizeof(BrightSlice));
+    *film = (BrightFilm){.width = width, .height = height, .pixels = memory_sparse(n, sizeof(BrightPixel))};
+    if (slice) film->slices = memory_sparse(n, sizeof(BrightSlice));
     if (film->pixels && (film->slices || !slice)) return STATUS_OK;
     bright_film_clear(film);
     return fail_memory(error, size, "the brightest samples");
@@ -22,10 +24,10 @@ Status bright_film_init(BrightFilm *film, bool slice, uint32_t width, uint32_t h
 
 void bright_film_clear(BrightFilm *film)
 {
-    for (size_t i = 0; film->slices && i < (size_t)film->width * film->height; i++)
-        tally_clear(&film->slices[i].things);
-    free(film->slices);
-    free(film->pixels);
+    size_t n = (size_t)film->width * film->height;
+    for (size_t i = 0; film->slices && i < n; i++) tally_clear(&film->slices[i].things);
+    memory_sparse_free(film->slices, n * sizeof *film->slices);
+    memory_sparse_free(film->pixels, n * sizeof *film->pixels);
     *film = (BrightFilm){0};
 }
 

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/luminance.h"
+#include "base/memory.h"
 #include "render/pixel_noise.h"
 #include "render/spread.h"
 
@@ -21,7 +22,8 @@ static const double most_open = 64;
 
 Status film_init(Film *film, uint32_t width, uint32_t height, Error *error)
 {
-    *film = (Film){.width = width, .height = height, .pixels = calloc((size_t)width * height, sizeof(FilmPixel))};
+    *film =
+        (Film){.width = width, .height = height, .pixels = memory_sparse((size_t)width * height, sizeof(FilmPixel))};
     if (!film->pixels) return fail_memory(error, (size_t)width * height * sizeof(FilmPixel), "the film");
     return STATUS_OK;
 }
@@ -29,14 +31,15 @@ Status film_init(Film *film, uint32_t width, uint32_t height, Error *error)
 Status film_catch(Film *film, Error *error)
 {
     size_t n = (size_t)film->width * film->height;
-    film->caught = calloc(n, sizeof *film->caught);
+    film->caught = memory_sparse(n, sizeof *film->caught);
     return film->caught ? STATUS_OK : fail_memory(error, n * sizeof *film->caught, "what catches shadows");
 }
 
 void film_clear(Film *film)
 {
-    free(film->pixels);
-    free(film->caught);
+    size_t n = (size_t)film->width * film->height;
+    memory_sparse_free(film->pixels, n * sizeof *film->pixels);
+    memory_sparse_free(film->caught, n * sizeof *film->caught);
     *film = (Film){0};
 }
 

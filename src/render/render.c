@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "base/memory.h"
 #include "render/adapt.h"
 #include "render/aov_film.h"
 #include "render/caught.h"
@@ -526,6 +527,11 @@ static Status aovs_init(RenderState *state, const RenderSettings *settings, cons
 static Status state_init(RenderState *state, const RenderSettings *settings, const World *world, Error *error)
 {
     uint32_t width = settings->width, height = settings->height;
+    const uint32_t *crop = state->crop;
+    /* the film takes memory only where it is touched; all of what is rendered is */
+    double needed = (double)(crop[2] - crop[0]) * (crop[3] - crop[1]) * sizeof(FilmPixel),
+           machine = memory_of_machine();
+    if (machine > 0 && needed > machine) return fail_memory(error, (size_t)needed, "the film");
     TRY(film_init(&state->film, width, height, error));
     state->film.first_sample = settings->first_sample;
     if (world->bare) TRY(film_catch(&state->film, error));

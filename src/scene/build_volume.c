@@ -3,9 +3,9 @@
 #include <float.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "base/hash.h"
+#include "base/memory.h"
 #include "diag/limits.h"
 #include "optics/nanovdb.h"
 #include "scene/build_parts.h"
@@ -104,10 +104,7 @@ static bool count_corners(Builder *b, const EvalNode *node, Box3 box, int32_t n[
 static size_t most_bytes(void)
 {
     double most = LIMIT_VOLUME_MB * 1e6;
-#ifdef _SC_PHYS_PAGES
-    double pages = (double)sysconf(_SC_PHYS_PAGES), page = (double)sysconf(_SC_PAGESIZE);
-    if (pages > 0 && page > 0) most = fmin(most, 0.75 * pages * page);
-#endif
+    if (memory_of_machine() > 0) most = fmin(most, 0.75 * memory_of_machine());
     return (size_t)fmin(most, (double)SIZE_MAX / 4);
 }
 

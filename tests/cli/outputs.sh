@@ -153,6 +153,18 @@ run render small.mns -o whole.exr --size 20x15
 cmp -s part.exr whole.exr || flunk "100% is not all"
 end
 
+begin "a picture that is larger than the memory says so, and what to do"
+small_scene
+run render small.mns -o vast.exr --size 65536x65536 -s 1
+exits 1
+says err "65536 x 65536 pixels need some 1374 GB of memory, and this machine has"
+says err "by '--crop', are put together by 'meniscus merge'"
+says err "out of memory:"
+run render small.mns -o part.exr --size 4000x4000 --crop 0,0,8,8 -s 1 --caustics off -q
+exits 0
+no_complaint err
+end
+
 # cannot TEXT OUTPUT...: status 5 before anything is rendered
 cannot() {
     expected=$1
