@@ -15,12 +15,19 @@ typedef struct Buried {
     uint32_t object; /* that much of it is within */
 } Buried;
 
-/* Where there is anything opaque: planes, and a box around all else. */
+/* Where there is anything opaque: planes, sheets without an inside that things may stand on, as paper, and a box around all else. */
 enum { MOST_PLANES = 8 };
 typedef struct OpaqueThings {
     uint32_t n_planes, planes[MOST_PLANES];
-    Box3 others;
+    uint32_t n_sheets, sheets[MOST_PLANES];
+    Box3 sheet_boxes[MOST_PLANES], others;
 } OpaqueThings;
+
+static bool is_sheet(const Scene *scene, uint32_t number)
+{
+    const SceneObject *object = &scene->objects[number];
+    return object->tree == SCENE_NONE && object->shape != SCENE_NONE && !scene->shapes[object->shape].closed;
+}
 
 static void find_opaque(const CompiledScene *compiled, OpaqueThings *opaque)
 {
@@ -29,11 +36,37 @@ static void find_opaque(const CompiledScene *compiled, OpaqueThings *opaque)
     *opaque = (OpaqueThings){.others = box3_empty()};
     for (uint32_t i = 0; i < scene->n_objects; i++) {
         if (!report_is_opaque(compiled, i)) continue;
-        if (report_is_plane(scene, i) && opaque->n_planes < MOST_PLANES)
+        if (report_is_plane(scene, i) && opaque->n_planes < MOST_PLANES) {
             opaque->planes[opaque->n_planes++] = i;
-        else
-            opaque->others = box3_union(opaque->others, scene_next_box_around(scene, &scene->objects[i], &known));
+            continue;
+        }
+        Box3 box = scene_next_box_around(scene, &scene->objects[i], &known);
+        opaque->others = box3_union(opaque->others, box);
+        if (!is_sheet(scene, i) || opaque->n_sheets == MOST_PLANES) continue;
+        opaque->sheet_boxes[opaque->n_sheets] = box;
+        opaque->sheets[opaque->n_sheets++] = i;
     }
+}
+
+/* The sheet that lies over a place and within the box around the solid that it is in. What is within the solid alone, as a leaf that is
+ * cast in, is not what it was to stand on. */
+static uint32_t sheet_over(const CompiledScene *compiled, const OpaqueThings *opaque, Box3 solid, Vec3 place,
+                           HitList *hits)
+{
+    const double flattest = 0.7; /* the cosine of 45 degrees: steeper is no floor */
+    Ray ray = ray_make(place, vec3f(0, 1, 0));
+    ray.t_max = solid.max.y - place.y;
+    for (uint32_t i = 0; i < opaque->n_sheets; i++) {
+        const Box3 *box = &opaque->sheet_boxes[i];
+        if (box->min.x > solid.min.x || box->max.x < solid.max.x || box->min.z > solid.min.z ||
+            box->max.z < solid.max.z || box->min.y > solid.max.y || box->max.y < place.y)
+            continue;
+        rtc_all(compiled->rtc, &ray, false, hits);
+        for (size_t k = 0; k < hits->n; k++)
+            if (hits->items[k].object == opaque->sheets[i] && fabs((double)hits->items[k].cos_normal) > flattest)
+                return opaque->sheets[i];
+    }
+    return SCENE_NONE;
 }
 
 static uint32_t plane_above(const CompiledScene *compiled, const OpaqueThings *opaque, Vec3 place, HitList *hits)
@@ -70,6 +103,8 @@ static bool find_buried(const CompiledScene *compiled, const OpaqueThings *opaqu
                 Vec3 place = vec3_along(line.start, t, vec3_from_f(line.direction));
                 uint32_t object = plane_above(compiled, opaque, place, hits);
                 if (object == SCENE_NONE) object = report_body_around(compiled, place, hits);
+                if (object == SCENE_NONE)
+                    object = sheet_over(compiled, opaque, compiled->hull_bounds[hull], place, hits);
                 buried->volume += volume;
                 if (object == SCENE_NONE || (buried->object != SCENE_NONE && object != buried->object)) continue;
                 buried->object = object;
@@ -98,7 +133,10 @@ static void report_one(const CompiledScene *compiled, uint32_t hull, const Burie
                     "about %.0f %% of %s lies %s %s, which is opaque: nothing of that is seen, and the rest is "
                     "dark, as little light goes through it",
                     100 * buried->within / buried->volume, object->name,
-                    scene_is_plane(compiled->scene, buried->object) ? "behind" : "within", opaque->name);
+                    scene_is_plane(compiled->scene, buried->object) ? "behind"
+                    : is_sheet(compiled->scene, buried->object)     ? "below"
+                                                                    : "within",
+                    opaque->name);
     if (n > 1) diag_note_nowhere(diag, report, "and so do %u more that this line places", (unsigned)(n - 1));
     diag_note(diag, report, opaque->span, "%s is here", opaque->name);
     diag_hint(diag, report, "its lowest place is at y = %.4g: to stand on %s, it is to be lifted by translate()",
