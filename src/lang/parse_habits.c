@@ -280,6 +280,8 @@ bool parse_comma_habit(Parser *parser)
     Token next = lexer_next(&look.lexer);
     bool decimal = parser->previous == TOKEN_NUMBER && next.kind == TOKEN_NUMBER &&
                    consumed_end(parser) == parser->token.begin && next.begin == parser->token.end;
+    Look beyond = look;
+    if (decimal && lexer_next(&beyond.lexer).kind == TOKEN_COMMA) decimal = false; /* 0,5,0 is no decimal */
     if (decimal) {
         Diagnostic *report = report_at(parser, token_span(parser), "expected a statement, found ','");
         diag_hint(parser->diag, report, "decimals stand behind a point");

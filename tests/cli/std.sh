@@ -36,12 +36,12 @@ group {
 }
 group { glassware.stemware([for (p in shapes.offset(inside, 1mm)) p + <0, 80mm>])  translate(<11 * 30cm, 0, 0>) }
 assert(abs(glassware.radius_at(inside, 40mm) - 30mm) < 1e-6mm and glassware.radius_at(inside, 60mm) == 0)
-group { gems.round_brilliant()  translate(<-5 * 30cm, 0, 40cm>) }
-group { gems.rose()  translate(<-4 * 30cm, 0, 40cm>) }
-group { gems.cabochon()  translate(<-3 * 30cm, 0, 40cm>) }
-group { gems.emerald_cut()  translate(<-2 * 30cm, 0, 40cm>) }
-group { gems.princess()  translate(<-1 * 30cm, 0, 40cm>) }
-group { gems.faceted([[90, 1, [0, 24, 48, 72]], [45, .92, [0, 24, 48, 72]], [0, .6], [0, -.2]])  translate(<0, 0, 80cm>) }
+group { gems.round_brilliant()  translate(<-5 * 30cm, 2cm, 40cm>) }
+group { gems.rose()  translate(<-4 * 30cm, 2cm, 40cm>) }
+group { gems.cabochon()  translate(<-3 * 30cm, 2cm, 40cm>) }
+group { gems.emerald_cut()  translate(<-2 * 30cm, 2cm, 40cm>) }
+group { gems.princess()  translate(<-1 * 30cm, 2cm, 40cm>) }
+group { gems.faceted([[90, 1, [0, 24, 48, 72]], [45, .92, [0, 24, 48, 72]], [0, .6], [0, -.2]])  translate(<0, 2cm, 80cm>) }
 group { shapes.bubbles(5)  translate(<0, 0, 40cm>) }
 group { shapes.bubble_chain(5)  translate(<1 * 30cm, 0, 40cm>) }
 group { shapes.drop { interior = media.water }  translate(<2 * 30cm, 0, 40cm>) }

@@ -152,6 +152,7 @@ mirage media.air_at(
 pearl film = 420nm
 opal scatters
 amber ior = 1.54
+marquise gems.faceted(
 slow --denoise on
 ctrl-c --resume
 crema media.foam(

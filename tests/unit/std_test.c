@@ -200,6 +200,7 @@ static void gems_have_their_facets(void **state)
         {"gems.round_brilliant { radius = 1m }", 57 + 16, 1000},
         {"gems.rose()", 24 + 1, 5},
         {"gems.emerald_cut()", 1 + 3 * 8 + 8 + 3 * 8, 6},
+        {"gems.emerald_cut { width = 6 length = 6 corner = .3 }", 1 + 3 * 8 + 8 + 3 * 8, 4},
         {"gems.princess()", 1 + 4 + 4 + 4 * (1 + 2 + 2), 4},
         {"gems.faceted([[90, 1, [96, 24, 48, 72]], [45, .92, [0, 24, 48, 72]], [-41, .66, [12, 36, 60, 84]], [0, .6], "
          "[0, -.8]])",
