@@ -534,7 +534,7 @@ optics.fresnel_lens { rings = 3 }
 SCENE
 run check bench.mns
 exits 3
-says err "it needs a thickness of more than 3.17"
+says err "it needs a thickness of more than 3.18 mm"
 says err "a face of a radius of less than 12.5, half of the diameter, does not reach the rim"
 says err "more rings make it less deep"
 end
