@@ -507,7 +507,8 @@ static void resolve_prop(Resolver *resolver, Stmt *stmt)
                 resolve_expr(resolver, item);
         }
     } else {
-        resolver->word_prop = words ? prop : NULL;
+        const bool name_for_text = prop && prop->kind == PROP_STRING && value->kind == EXPR_NAME;
+        resolver->word_prop = words || name_for_text ? prop : NULL;
         resolve_expr(resolver, value);
         resolver->word_prop = NULL;
     }

@@ -261,7 +261,7 @@ static bool known_to_be_unknown(Resolver *resolver, Symbol *symbol, Span span)
 static const PropType *choice_with(const Resolver *resolver, const char *word)
 {
     const PropType *sought = resolver->word_prop;
-    if (sought && choice_allows(sought->choices, word)) return sought;
+    if (sought && sought->choices && choice_allows(sought->choices, word)) return sought;
     for (size_t i = 0; i < resolver->schema->n_nodes; i++)
         for (size_t k = 0; k < resolver->schema->nodes[i].n_props; k++) {
             const PropType *prop = &resolver->schema->nodes[i].props[k];
@@ -304,8 +304,10 @@ static void resolve_name(Resolver *resolver, Expr *expr)
     if (known_to_be_unknown(resolver, symbol, expr->span)) return;
     Diagnostic *report = diag_report(resolver->diag, D_UNKNOWN_NAME, expr->span, "unknown name '%s'", symbol->text);
     symbol->unknown = report;
-    const PropType *choice = choice_with(resolver, symbol->text);
-    if (choice && choice == resolver->word_prop)
+    const PropType *choice = choice_with(resolver, symbol->text), *sought = resolver->word_prop;
+    if (sought && sought->kind == PROP_STRING && !nearest_visible(resolver, symbol))
+        diag_hint(resolver->diag, report, "a text stands in quotes: %s = \"%s\"", sought->name, symbol->text);
+    else if (choice && choice == sought)
         hint_at_word(resolver, report, choice, symbol->text);
     else if (builtin_find(symbol->text))
         diag_hint(resolver->diag, report, "'%s' is a function: write '%s(...)'", symbol->text, symbol->text);
