@@ -44,29 +44,21 @@ static Status plan_outputs(MergeRun *run, Error *error)
 }
 
 /* The attributes of a slice are those of the picture, but for what was counted. */
-typedef struct Described {
-    ImageAttribute items[CHECKPOINT_MOST_ATTRIBUTES];
-    size_t n;
-    char crossings[NUMBER_SIZE], faults[NUMBER_SIZE];
-} Described;
-
-static void describe(const MergeRun *run, Described *described)
+static void describe(const MergeRun *run, Attributes *attributes)
 {
     const CheckpointNotes *notes = &run->merge.parts[0].notes;
     const RenderStats *stats = &run->stats;
-    described->n = 0;
-    snprintf(described->crossings, NUMBER_SIZE, "%llu", (unsigned long long)stats->crossings);
-    snprintf(described->faults, NUMBER_SIZE, "%llu", (unsigned long long)stats->nesting_faults);
+    *attributes = (Attributes){.n = 0};
     for (uint32_t i = 0; i < notes->n_attributes; i++) {
         ImageAttribute attribute = notes->attributes[i];
         if (strcmp(attribute.name, "meniscus/noise") == 0 && stats->noise < 0) continue;
         if (strcmp(attribute.name, "meniscus/noise") == 0) attribute.number = stats->noise;
         if (strcmp(attribute.name, "meniscus/lightSpread") == 0) attribute.number = stats->spread_light;
         if (strcmp(attribute.name, "meniscus/samples") == 0) attribute.whole = (int)stats->samples;
-        if (strcmp(attribute.name, "meniscus/crossings") == 0) attribute.text = described->crossings;
-        if (strcmp(attribute.name, "meniscus/nestingFaults") == 0) attribute.text = described->faults;
-        described->items[described->n++] = attribute;
+        attributes_add(attributes, &attribute);
     }
+    attributes_set_count(attributes, "meniscus/crossings", stats->crossings);
+    attributes_set_count(attributes, "meniscus/nestingFaults", stats->nesting_faults);
 }
 
 /* What the slices or parts say of how the picture is shown, and what options say instead. */
@@ -81,11 +73,11 @@ static ColorLook look_of(const MergeRun *run, const ImageAttribute *attributes, 
     return output_look(run->options, &own);
 }
 
-static Status write_outputs(const MergeRun *run, const Image *image, const ImageAttribute *attributes, size_t n,
-                            Error *error)
+static Status write_outputs(const MergeRun *run, const Image *image, const Attributes *attributes, Error *error)
 {
     unsigned half = run->options->values[OPTION_HALF].place, full = run->options->values[OPTION_FLOAT].place;
-    ExrOptions exr = {.half = half > full, .attributes = attributes, .n_attributes = n, .pool = run->pool};
+    ExrOptions exr = {
+        .half = half > full, .attributes = attributes->items, .n_attributes = attributes->n, .pool = run->pool};
     bool displayed = false;
     for (size_t i = 0; i < run->n_outputs; i++) {
         TRY(output_write(&run->outputs[i], image, &exr, run->color.config, &run->look, error));
@@ -135,8 +127,8 @@ static Status merge_tiles(MergeRun *run, Tiles *tiles, Error *error)
     const Options *options = run->options;
     TRY(tiles_read(options->operands, options->n_operands, tiles, error));
     TRY(pool_new(options->values[OPTION_THREADS].whole[0], &run->pool, error));
-    run->look = look_of(run, tiles->items, tiles->n);
-    TRY(write_outputs(run, &tiles->image, tiles->items, tiles->n, error));
+    run->look = look_of(run, tiles->attributes.items, tiles->attributes.n);
+    TRY(write_outputs(run, &tiles->image, &tiles->attributes, error));
     char what[2 * NUMBER_SIZE];
     snprintf(what, sizeof what, "from %zu part%s", options->n_operands, plural(options->n_operands));
     say_written(run, &tiles->image, what);
@@ -147,15 +139,17 @@ static Status merge_tiles(MergeRun *run, Tiles *tiles, Error *error)
 static Status merge_slices(MergeRun *run, Error *error)
 {
     const Options *options = run->options;
-    Described described;
+    Attributes attributes;
     char what[4 * NUMBER_SIZE];
     TRY(merge_open(options->operands, options->n_operands, &run->merge, error));
     TRY(pool_new(options->values[OPTION_THREADS].whole[0], &run->pool, error));
     TRY(merge_read(&run->merge, &run->state, error));
     run->look = look_of(run, run->merge.parts[0].notes.attributes, run->merge.parts[0].notes.n_attributes);
     TRY(render_state_resolve(&run->state, run->look.exposure, run->pool, &run->image, &run->stats, error));
-    describe(run, &described);
-    TRY(write_outputs(run, &run->image, described.items, described.n, error));
+    describe(run, &attributes);
+    Status status = write_outputs(run, &run->image, &attributes, error);
+    attributes_clear(&attributes);
+    if (status != STATUS_OK) return status;
     const uint32_t total = run->merge.parts[0].notes.samples;
     snprintf(what, sizeof what, "%u of %u sample%s, from %zu slice%s", run->stats.samples, total, plural(total),
              run->merge.n, plural(run->merge.n));

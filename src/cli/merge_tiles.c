@@ -28,27 +28,6 @@ static bool is_one_of(const char *name, const char *const *names, size_t n)
     return false;
 }
 
-static ImageAttribute *kept(Tiles *tiles, const char *name)
-{
-    for (size_t i = 0; i < tiles->n; i++)
-        if (strcmp(tiles->items[i].name, name) == 0) return &tiles->items[i];
-    return NULL;
-}
-
-/* Left out where memory ends, or there is no room. */
-static void keep(Tiles *tiles, const ImageAttribute *attribute)
-{
-    if (tiles->n == CHECKPOINT_MOST_ATTRIBUTES) return;
-    char *name = strdup(attribute->name), *text = attribute->text ? strdup(attribute->text) : NULL;
-    tiles->owned[tiles->n_owned++] = name;
-    if (text) tiles->owned[tiles->n_owned++] = text;
-    if (!name || (attribute->text && !text)) return;
-    ImageAttribute *own = &tiles->items[tiles->n++];
-    *own = *attribute;
-    own->name = name;
-    own->text = text;
-}
-
 static bool is_same(const ImageAttribute *a, const ImageAttribute *b)
 {
     if (a->type != b->type || a->whole != b->whole) return false;
@@ -84,10 +63,10 @@ static void visit(void *context, const ImageAttribute *attribute)
         if (strcmp(name, counts[i]) == 0 && attribute->text) tiles->counts[i] += strtoull(attribute->text, NULL, 10);
     if (is_one_of(name, of_parts, COUNT_OF(of_parts))) return;
     if (tile->first) {
-        keep(tiles, attribute);
+        attributes_add(&tiles->attributes, attribute);
         return;
     }
-    ImageAttribute *whole = kept(tiles, name);
+    ImageAttribute *whole = attributes_find(&tiles->attributes, name);
     if (whole && strcmp(name, "meniscus/samples") == 0 && attribute->whole < whole->whole)
         whole->whole = attribute->whole;
     if (is_one_of(name, common, COUNT_OF(common)) && !(whole && is_same(whole, attribute)))
@@ -144,19 +123,14 @@ static Status read_tile(const char *const *paths, size_t number, Tiles *tiles, I
 
 Status tiles_read(const char *const *paths, size_t n, Tiles *tiles, Error *error)
 {
-    *tiles = (Tiles){.n = 0};
+    *tiles = (Tiles){.covered = NULL};
     Status status = STATUS_OK;
     for (size_t i = 0; i < n && status == STATUS_OK; i++) {
         Image part = {0};
         status = read_tile(paths, i, tiles, &part, error);
         image_clear(&part);
     }
-    for (size_t i = 0; i < COUNT_OF(counts) && status == STATUS_OK; i++) {
-        ImageAttribute *attribute = kept(tiles, counts[i]);
-        if (!attribute) continue;
-        snprintf(tiles->count_texts[i], sizeof tiles->count_texts[i], "%llu", (unsigned long long)tiles->counts[i]);
-        attribute->text = tiles->count_texts[i];
-    }
+    for (size_t i = 0; i < COUNT_OF(counts); i++) attributes_set_count(&tiles->attributes, counts[i], tiles->counts[i]);
     return status;
 }
 
@@ -180,8 +154,8 @@ bool tiles_take_gap(Tiles *tiles, uint32_t gap[4])
 
 void tiles_clear(Tiles *tiles)
 {
-    for (size_t i = 0; i < tiles->n_owned; i++) free(tiles->owned[i]);
+    attributes_clear(&tiles->attributes);
     image_clear(&tiles->image);
     free(tiles->covered);
-    *tiles = (Tiles){.n = 0};
+    *tiles = (Tiles){.covered = NULL};
 }

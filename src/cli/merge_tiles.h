@@ -10,13 +10,9 @@
 
 typedef struct Tiles {
     Image image;
-    bool *covered;                                    /* of each pixel, in rows: whether a part has it */
-    ImageAttribute items[CHECKPOINT_MOST_ATTRIBUTES]; /* what the first part says, but for what is not of the whole */
-    size_t n;
-    char *owned[2 * CHECKPOINT_MOST_ATTRIBUTES]; /* their names and texts */
-    size_t n_owned;
-    uint64_t counts[2]; /* crossings and nesting faults of all parts, */
-    char count_texts[2][32];
+    bool *covered;         /* of each pixel, in rows: whether a part has it */
+    Attributes attributes; /* what the first part says, but for what is not of the whole */
+    uint64_t counts[2];    /* crossings and nesting faults of all parts */
 } Tiles;
 
 /* Whether a file is such a part, and no slice of samples, whether of a part or not. What cannot be read is none. */

@@ -218,16 +218,12 @@ ColorLook output_look(const Options *options, const ColorLook *own)
 static const char *const exposure_name = "meniscus/exposure", *const automatic_name = "meniscus/autoExposure",
                          *const white_name = "meniscus/whiteBalance", *const alpha_name = "meniscus/alpha";
 
-size_t output_note_look(const ColorLook *look, ImageAttribute attributes[OUTPUT_LOOK_ATTRIBUTES])
+void output_note_look(const ColorLook *look, Attributes *attributes)
 {
-    size_t n = 0;
-    attributes[n++] = (ImageAttribute){.name = exposure_name, .type = ATTRIBUTE_FLOAT, .number = look->exposure.stops};
-    if (look->exposure.automatic)
-        attributes[n++] = (ImageAttribute){.name = automatic_name, .type = ATTRIBUTE_INT, .whole = 1};
-    if (look->white_balance > 0)
-        attributes[n++] = (ImageAttribute){.name = white_name, .type = ATTRIBUTE_FLOAT, .number = look->white_balance};
-    if (look->alpha) attributes[n++] = (ImageAttribute){.name = alpha_name, .type = ATTRIBUTE_INT, .whole = 1};
-    return n;
+    attributes_add_number(attributes, exposure_name, look->exposure.stops);
+    if (look->exposure.automatic) attributes_add_whole(attributes, automatic_name, 1);
+    if (look->white_balance > 0) attributes_add_number(attributes, white_name, look->white_balance);
+    if (look->alpha) attributes_add_whole(attributes, alpha_name, 1);
 }
 
 void output_find_look(ColorLook *look, const char *name, double value)

@@ -4,7 +4,7 @@
 #define MEN_OUTPUT_H
 
 #include "cli/scene_input.h"
-#include "image/image.h"
+#include "image/attributes.h"
 
 typedef struct Output {
     char *path; /* "-": standard output */
@@ -59,9 +59,8 @@ ATTR_NODISCARD Status output_probe(const char *path, Error *error);
 /* What --display, --view, --exposure, --auto-exposure, --white-balance and --alpha say; own: what the scene's film or the picture's
  * file says of all but the first two, where they say nothing. */
 ColorLook output_look(const Options *options, const ColorLook *own);
-/* What a film says is noted in the header of its EXR files, for those who show them later. Returns how many attributes. */
-enum { OUTPUT_LOOK_ATTRIBUTES = 4 };
-size_t output_note_look(const ColorLook *look, ImageAttribute attributes[OUTPUT_LOOK_ATTRIBUTES]);
+/* What a film says is noted in the header of its EXR files, for those who show them later. */
+void output_note_look(const ColorLook *look, Attributes *attributes);
 /* Takes that from an attribute, if it is one of those; value: its number. */
 void output_find_look(ColorLook *look, const char *name, double value);
 /* What a file of a picture has noted of it; what comes by a pipe is read once, for the picture. */

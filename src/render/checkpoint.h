@@ -11,6 +11,7 @@
 
 #include <stdio.h>
 
+#include "image/attributes.h"
 #include "render/render.h"
 
 /* The attribute of the picture that says that there is a state. */
@@ -22,7 +23,7 @@ typedef struct CheckpointFact {
     const char *name, *text;
 } CheckpointFact;
 
-enum { CHECKPOINT_MOST_FACTS = 32, CHECKPOINT_MOST_ATTRIBUTES = 64 };
+enum { CHECKPOINT_MOST_FACTS = 32, CHECKPOINT_MOST_ATTRIBUTES = ATTRIBUTES_MOST };
 
 /* What is known of a state besides itself. */
 typedef struct CheckpointNotes {
