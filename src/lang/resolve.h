@@ -66,8 +66,8 @@ typedef struct Resolver {
     NodeContext context;
     const NodeType *context_type; /* CONTEXT_NODE: NULL when it is not known before running */
     NodeExpr *context_node;       /* CONTEXT_NODE: the node around the statement */
-    const PropType *
-        word_prop; /* the property whose value is resolved, where it takes words of a choice, or a text and gets a name; else NULL */
+    /* the property whose value is resolved, where it takes words of a choice, or a text and gets a name; else NULL */
+    const PropType *word_prop;
     bool for_texture;  /* what is resolved is the value of a property that takes textures */
     const Stmt *call;  /* the call of a macro in whose block it is; NULL: in none */
     Symbol **defaults; /* by row of the schema: the name of the slot of a type's defaults; NULL until there are any */

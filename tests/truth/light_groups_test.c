@@ -25,7 +25,7 @@ static const char scene_text[] =
     "light { shape = distant  from = <2, 3, 1>  to = <0, 0, 0>  angle = 8deg  power = 2 * on(\"far\")  light_group = "
     "\"far\" }\n"
     "light { from = <-20, 40, 20>  to = <0, 0, 0>  size = <12, 12>  radiance = 4 * on(\"other\") }\n"
-    "light { shape = disc  from = <-22, 12, 6>  to = <0, 8, 0>  radius = 3  angle = 8  radiance = 3000 * on(\"beam\")"
+    "light { shape = disc  from = <-22, 12, 16>  to = <6, 4, 18>  radius = 3  angle = 8  radiance = 3000 * on(\"beam\")"
     "  light_group = \"beam\" }\n"
     "environment { color = rgb(.3, .4, .6) * on(\"sky\")  light_group = \"sky\" }\n"
     "camera { from = <0, 17, 45>  to = <0, 5, 0>  fov = 40 }\n";
