@@ -13,8 +13,8 @@
 static const NestPolicy policies[] = {NEST_AUTOMATIC, NEST_PRIORITY, NEST_ENTERED, NEST_NONE};
 enum { WIDTH = 32, WIDTH_OF_FILES = 22, SAMPLES = 256, SAMPLES_DISPERSIVE = 512, SAMPLES_NOISY = 96 };
 /* Light that total reflection keeps in a glass leaves after thousands of boundaries, one path in a million after more than a hundred
- * thousand, but it leaves. Without nesting some never does. */
-enum { BOUNCES = 1000000, BOUNCES_WITHOUT_NESTING = 50000 };
+ * thousand, but it leaves. By other policies some never does: what it is in depends on the way it came. */
+enum { BOUNCES = 1000000, BOUNCES_BY_OTHERS = 50000 };
 
 static FaultCount in_all;
 
@@ -60,7 +60,7 @@ static void expect_furnace(const char *what, const Fixture *scene, uint32_t widt
     bool spread = disperses(scene->scene), noisy = is_noisy(scene->scene);
     RenderSettings settings = truth_settings(width, noisy ? SAMPLES_NOISY : spread ? SAMPLES_DISPERSIVE : SAMPLES);
     settings.no_absorption = true;
-    settings.bounces = scene->compiled->order.policy == NEST_NONE ? BOUNCES_WITHOUT_NESTING : BOUNCES;
+    settings.bounces = scene->compiled->order.policy == NEST_AUTOMATIC ? BOUNCES : BOUNCES_BY_OTHERS;
     Picture picture;
     truth_render(scene, &settings, 0, &picture);
     truth_count(&worst->faults, &picture.stats);
