@@ -1,6 +1,6 @@
 /* cmd_view.c - the command view: a scene-linear picture as a display shows it, or several on a sheet.
  * SPDX-License-Identifier: Apache-2.0 */
-#include <math.h>
+#include <float.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/num.h"
 #include "cli/commands.h"
 #include "cli/preview.h"
 #include "base/suggest.h"
@@ -212,24 +213,24 @@ static Status show(const Options *options, const ColorConfig *config, const View
 /* GROUP=FACTOR, of one number or three; the name is put into *name. */
 static Status read_light(const char *text, char name[IMAGE_NAME_SIZE], Relight *change, Error *error)
 {
-    const char *equals = strchr(text, '=');
-    size_t length = equals ? (size_t)(equals - text) : 0;
-    const char *at = equals ? equals + 1 : NULL;
-    int n = 0;
-    for (bool more = at != NULL; more && n < 3; n++) {
-        char *end;
-        change->factor[n] = strtof(at, &end);
-        if (end == at || !(change->factor[n] >= 0) || !isfinite(change->factor[n])) break;
-        more = *end == ',';
-        at = end + more;
+    const char *equals = strchr(text, '='), *end = NULL;
+    const size_t length = equals ? (size_t)(equals - text) : 0;
+    double factor[3];
+    if (equals) end = num_parse_list(equals + 1, factor, 3);
+    if (equals && !end) {
+        end = num_parse_list(equals + 1, factor, 1);
+        factor[1] = factor[2] = factor[0];
     }
-    if (length == 0 || length >= IMAGE_NAME_SIZE || (n != 1 && n != 3) || *at)
+    bool good = length > 0 && length < IMAGE_NAME_SIZE && end && !*end;
+    for (int i = 0; i < 3 && good; i++) {
+        good = factor[i] >= 0 && factor[i] <= (double)FLT_MAX;
+        change->factor[i] = (float)factor[i];
+    }
+    if (!good)
         return fail(error, STATUS_USAGE,
                     "'--light %s' is not GROUP=FACTOR, with one number of 0 or more, or three, for red, green and "
-                    "blue: key=.5, "
-                    "or key=1,.8,.6",
+                    "blue: key=.5, or key=1,.8,.6",
                     text);
-    for (; n < 3; n++) change->factor[n] = change->factor[0];
     snprintf(name, IMAGE_NAME_SIZE, "%.*s", (int)length, text);
     change->group = name;
     return STATUS_OK;

@@ -73,6 +73,13 @@ void image_crop(Image *image, const uint32_t crop[4])
     image->height = crop[3] - crop[1];
 }
 
+void image_copy_channels(const Image *from, uint32_t first, uint32_t n, Image *to, uint32_t at)
+{
+    for (uint32_t y = 0; y < from->height; y++)
+        for (uint32_t x = 0; x < from->width; x++)
+            memcpy(image_at(to, x, y) + at, image_at(from, x, y) + first, n * sizeof(float));
+}
+
 int image_channel(const Image *image, const char *name)
 {
     for (uint32_t i = 0; i < image->n_channels; i++)

@@ -58,6 +58,8 @@ static inline unsigned image_byte(float shown)
 }
 /* Takes away all pixels but those from crop[0], crop[1] up to but without crop[2], crop[3], of which there are some. */
 void image_crop(Image *image, const uint32_t crop[4]);
+/* Copies n channels, from `first` on, to those from `at` on of an image of the same size. */
+void image_copy_channels(const Image *from, uint32_t first, uint32_t n, Image *to, uint32_t at);
 /* The index of a channel, -1 when there is none. */
 int image_channel(const Image *image, const char *name);
 /* The channels that hold the colour: R, G, B; else those of the first layer that has them (layer.R ...); else

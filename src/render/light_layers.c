@@ -4,12 +4,13 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
+
+#include "image/layer.h"
 
 LightLayers light_layers_of(const Image *image, const LightGroups *groups)
 {
     char name[IMAGE_NAME_SIZE];
-    snprintf(name, sizeof name, "lights.%s.R", groups->names[0]);
+    snprintf(name, sizeof name, LAYER_LIGHTS "%s.R", groups->names[0]);
     int first = groups->n ? image_channel(image, name) : -1;
     return first < 0 ? (LightLayers){0, 0} : (LightLayers){(uint32_t)first, groups->n};
 }
@@ -60,18 +61,4 @@ static void follow_in_color(const LightLayers *layers, Image *image, int color)
 void light_layers_follow(const LightLayers *layers, Image *image)
 {
     for (int color = 0; color < 3 && layers->n > 0; color++) follow_in_color(layers, image, color);
-}
-
-void light_layers_take(const LightLayers *layers, const Image *image, Image *to, uint32_t at)
-{
-    for (uint32_t y = 0; y < image->height; y++)
-        for (uint32_t x = 0; x < image->width; x++)
-            memcpy(image_at(to, x, y) + at, image_at(image, x, y) + layers->first, 3 * layers->n * sizeof(float));
-}
-
-void light_layers_put(const LightLayers *layers, Image *image, const Image *from, uint32_t at)
-{
-    for (uint32_t y = 0; y < image->height; y++)
-        for (uint32_t x = 0; x < image->width; x++)
-            memcpy(image_at(image, x, y) + layers->first, image_at(from, x, y) + at, 3 * layers->n * sizeof(float));
 }

@@ -17,8 +17,5 @@ LightLayers light_layers_of(const Image *image, const LightGroups *groups);
  * is one group's light that was so bright; and what pixels got is each group's in the proportion in which all were taken from. No group has
  * more or less light afterwards, but for rounding. */
 void light_layers_follow(const LightLayers *layers, Image *image);
-/* Copies the layers to channels of another image of the same size, from `at` on, and back. */
-void light_layers_take(const LightLayers *layers, const Image *image, Image *to, uint32_t at);
-void light_layers_put(const LightLayers *layers, Image *image, const Image *from, uint32_t at);
 
 #endif

@@ -721,23 +721,22 @@ static Status find_spread(const RenderState *state, Pool *pool, Spread *spread, 
 static Status denoise_all(const RenderState *state, const LightLayers *layers, Pool *pool, Image *image, Image *caught,
                           Error *error)
 {
-    const uint32_t n_caught = caught->n_channels;
+    const uint32_t n_caught = caught->n_channels, n_layers = 3 * layers->n;
     char names[DENOISE_MOST_CARRIED][16];
     const char *pointers[DENOISE_MOST_CARRIED];
     Image carried;
     if (!layers->n)
         return denoise(&state->film, &state->aovs, state->crop, pool, image, n_caught ? caught : NULL, error);
-    for (uint32_t i = 0; i < n_caught + 3 * layers->n; i++) {
+    for (uint32_t i = 0; i < n_caught + n_layers; i++) {
         snprintf(names[i], sizeof names[i], "carried %u", (unsigned)i);
         pointers[i] = names[i];
     }
-    TRY(image_new(image->width, image->height, pointers, n_caught + 3 * layers->n, &carried, error));
-    const LightLayers whole = {0, n_caught / 3};
-    light_layers_take(&whole, caught, &carried, 0);
-    light_layers_take(layers, image, &carried, n_caught);
+    TRY(image_new(image->width, image->height, pointers, n_caught + n_layers, &carried, error));
+    image_copy_channels(caught, 0, n_caught, &carried, 0);
+    image_copy_channels(image, layers->first, n_layers, &carried, n_caught);
     Status status = denoise(&state->film, &state->aovs, state->crop, pool, image, &carried, error);
-    light_layers_put(layers, image, &carried, n_caught);
-    light_layers_put(&whole, caught, &carried, 0);
+    if (n_caught) image_copy_channels(&carried, 0, n_caught, caught, 0);
+    image_copy_channels(&carried, n_caught, n_layers, image, layers->first);
     image_clear(&carried);
     return status;
 }

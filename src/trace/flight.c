@@ -198,8 +198,7 @@ void flight_add_light(Path *path, const FreeFlight *flight, Lanes basic, uint32_
     float mean_ratio = lanes_mean(lanes_mul(path->ratio, factor));
     if (!(mean_ratio > 0)) return;
     Lanes more = lanes_scale(lanes_mul(beta, basic), 1 / mean_ratio);
-    path->radiance = lanes_add(path->radiance, more);
-    if (UNLIKELY(path->tracer->ledger)) path_note_found(path, more);
+    path_add_found(path, more);
     if (UNLIKELY(path->tracer->grouped)) path_add_to_group(path, more, group);
 }
 

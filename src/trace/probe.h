@@ -56,6 +56,12 @@ static inline void path_leave_guide(Path *path, const GuideAt *guide, Vec3f dire
 }
 float path_weigh_probing(Path *path, float radiance);
 void path_note_found(Path *path, Lanes light);
+/* Of light that reaches the camera. */
+static inline void path_add_found(Path *path, Lanes more)
+{
+    path->radiance = lanes_add(path->radiance, more);
+    if (UNLIKELY(path->tracer->ledger)) path_note_found(path, more);
+}
 /* What light of a radiance (a mean of the wavelengths) counts that the path finds by itself, not by looking at it: against
  * finding it by a probe. */
 static inline float path_found_part(Path *path, float radiance)

@@ -27,8 +27,7 @@ Lanes path_add_radiance(Path *path, Lanes factor, Lanes basic)
 {
     float mean_ratio = lanes_mean(path->ratio);
     Lanes more = lanes_scale(lanes_mul(lanes_mul(path->beta, factor), basic), 1 / mean_ratio);
-    path->radiance = lanes_add(path->radiance, more);
-    if (UNLIKELY(path->tracer->ledger)) path_note_found(path, more);
+    path_add_found(path, more);
     return more;
 }
 
