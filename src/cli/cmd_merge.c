@@ -73,11 +73,15 @@ static ColorLook look_of(const MergeRun *run, const ImageAttribute *attributes, 
     return output_look(run->options, &own);
 }
 
-static Status write_outputs(const MergeRun *run, const Image *image, const Attributes *attributes, Error *error)
+static Status write_outputs(const MergeRun *run, const Image *image, const ImagePlace *place,
+                            const Attributes *attributes, Error *error)
 {
     unsigned half = run->options->values[OPTION_HALF].place, full = run->options->values[OPTION_FLOAT].place;
-    ExrOptions exr = {
-        .half = half > full, .attributes = attributes->items, .n_attributes = attributes->n, .pool = run->pool};
+    ExrOptions exr = {.half = half > full,
+                      .attributes = attributes->items,
+                      .n_attributes = attributes->n,
+                      .place = place,
+                      .pool = run->pool};
     bool displayed = false;
     for (size_t i = 0; i < run->n_outputs; i++) {
         TRY(output_write(&run->outputs[i], image, &exr, run->color.config, &run->look, error));
@@ -114,12 +118,12 @@ static bool warn_of_missing_parts(const MergeRun *run, Tiles *tiles)
 }
 
 /* what: of how much it was made. */
-static void say_written(const MergeRun *run, const Image *image, const char *what)
+static void say_written(const MergeRun *run, const ImagePlace *place, const char *what)
 {
     for (size_t i = 0; i < run->n_outputs && !run->talk->quiet; i++)
         talk_event(run->talk, "done", "wrote %s (%u x %u, %s)",
-                   strcmp(run->outputs[i].path, "-") == 0 ? "standard output" : run->outputs[i].path, image->width,
-                   image->height, what);
+                   strcmp(run->outputs[i].path, "-") == 0 ? "standard output" : run->outputs[i].path, place->width,
+                   place->height, what);
 }
 
 static Status merge_tiles(MergeRun *run, Tiles *tiles, Error *error)
@@ -128,10 +132,11 @@ static Status merge_tiles(MergeRun *run, Tiles *tiles, Error *error)
     TRY(tiles_read(options->operands, options->n_operands, tiles, error));
     TRY(pool_new(options->values[OPTION_THREADS].whole[0], &run->pool, error));
     run->look = look_of(run, tiles->attributes.items, tiles->attributes.n);
-    TRY(write_outputs(run, &tiles->image, &tiles->attributes, error));
+    const ImagePlace whole = {.width = tiles->image.width, .height = tiles->image.height};
+    TRY(write_outputs(run, &tiles->image, &whole, &tiles->attributes, error));
     char what[2 * NUMBER_SIZE];
     snprintf(what, sizeof what, "from %zu part%s", options->n_operands, plural(options->n_operands));
-    say_written(run, &tiles->image, what);
+    say_written(run, &whole, what);
     error->text[0] = 0;
     return warn_of_missing_parts(run, tiles) ? STATUS_STOPPED : STATUS_OK;
 }
@@ -147,13 +152,13 @@ static Status merge_slices(MergeRun *run, Error *error)
     run->look = look_of(run, run->merge.parts[0].notes.attributes, run->merge.parts[0].notes.n_attributes);
     TRY(render_state_resolve(&run->state, run->look.exposure, run->pool, &run->image, &run->stats, error));
     describe(run, &attributes);
-    Status status = write_outputs(run, &run->image, &attributes, error);
+    Status status = write_outputs(run, &run->image, &run->state.place, &attributes, error);
     attributes_clear(&attributes);
     if (status != STATUS_OK) return status;
     const uint32_t total = run->merge.parts[0].notes.samples;
     snprintf(what, sizeof what, "%u of %u sample%s, from %zu slice%s", run->stats.samples, total, plural(total),
              run->merge.n, plural(run->merge.n));
-    say_written(run, &run->image, what);
+    say_written(run, &run->state.place, what);
     error->text[0] = 0;
     return warn_of_gaps(run) ? STATUS_STOPPED : STATUS_OK;
 }

@@ -73,21 +73,31 @@ static void visit(void *context, const ImageAttribute *attribute)
         snprintf(tile->differs, sizeof tile->differs, "%s", name);
 }
 
-/* Whether two pictures have one size, and the same channels. */
-static bool are_alike(const Image *a, const Image *b)
+/* Whether a part has the size and the channels of the whole. */
+static bool is_alike(const Image *a, const Image *b, const ImagePlace *place)
 {
-    bool alike = a->width == b->width && a->height == b->height && a->n_channels == b->n_channels;
+    bool alike = a->width == place->width && a->height == place->height && a->n_channels == b->n_channels;
     for (uint32_t i = 0; alike && i < a->n_channels; i++) alike = strcmp(a->names[i], b->names[i]) == 0;
     return alike;
 }
 
-static void paste(Tiles *tiles, const Image *part, const uint32_t crop[4])
+/* Black, and nothing covered. */
+static Status begin(Tiles *tiles, const Image *part, const ImagePlace *place, Error *error)
+{
+    const size_t n = (size_t)place->width * place->height;
+    tiles->covered = calloc(n, sizeof *tiles->covered);
+    if (!tiles->covered) return fail_memory(error, n, "which pixels there are");
+    return image_new_like(part, place->width, place->height, &tiles->image, error);
+}
+
+static void paste(Tiles *tiles, const Image *part, const ImagePlace *place, const uint32_t crop[4])
 {
     for (uint32_t y = crop[1]; y < crop[3]; y++)
         for (uint32_t x = crop[0]; x < crop[2]; x++) {
-            bool *covered = &tiles->covered[(size_t)y * part->width + x];
-            if (!*covered && part != &tiles->image)
-                memcpy(image_at(&tiles->image, x, y), image_at(part, x, y), part->n_channels * sizeof(float));
+            bool *covered = &tiles->covered[(size_t)y * place->width + x];
+            if (!*covered)
+                memcpy(image_at(&tiles->image, x, y), image_at(part, x - place->x, y - place->y),
+                       part->n_channels * sizeof(float));
             *covered = true;
         }
 }
@@ -100,24 +110,20 @@ static Status read_tile(const char *const *paths, size_t number, Tiles *tiles, I
     if (!tile.has_crop || tile.has_state)
         return fail(error, STATUS_INPUT, "'%s' is not a part of a picture by 'render --crop', as '%s' is", path,
                     paths[0]);
-    TRY(exr_read(path, part, error));
+    ImagePlace place;
+    TRY(exr_read_part(path, part, &place, error));
     const uint32_t *c = tile.crop;
-    if (c[0] >= c[2] || c[1] >= c[3] || c[2] > part->width || c[3] > part->height)
+    if (c[0] >= c[2] || c[1] >= c[3] || c[0] < place.x || c[1] < place.y || c[2] - place.x > part->width ||
+        c[3] - place.y > part->height)
         return fail(error, STATUS_INPUT, "'%s' does not say which part of its picture it is", path);
     if (tile.differs[0])
         return fail(error, STATUS_INPUT, "'%s' and '%s' are not of one picture, as there differs: %s", paths[0], path,
                     tile.differs);
-    if (number > 0 && !are_alike(&tiles->image, part))
+    if (number == 0) TRY(begin(tiles, part, &place, error));
+    if (!is_alike(&tiles->image, part, &place))
         return fail(error, STATUS_INPUT, "'%s' and '%s' are not of one picture: they differ in size, or in channels",
                     paths[0], path);
-    if (number == 0) {
-        tiles->image = *part;
-        *part = (Image){0};
-        size_t n = (size_t)tiles->image.width * tiles->image.height;
-        tiles->covered = calloc(n, sizeof *tiles->covered);
-        if (!tiles->covered) return fail_memory(error, n, "which pixels there are");
-    }
-    paste(tiles, number ? part : &tiles->image, c);
+    paste(tiles, part, &place, c);
     return STATUS_OK;
 }
 

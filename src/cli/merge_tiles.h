@@ -18,7 +18,7 @@ typedef struct Tiles {
 /* Whether a file is such a part, and no slice of samples, whether of a part or not. What cannot be read is none. */
 bool tile_is(const char *path);
 /* Puts parts together; of pixels that several have, those of the first. STATUS_INPUT names one that is none, and what differs where they
- * are not of one picture. tiles_clear is due in any case. It takes the memory of two pictures. */
+ * are not of one picture. tiles_clear is due in any case. */
 ATTR_NODISCARD Status tiles_read(const char *const *paths, size_t n, Tiles *tiles, Error *error);
 /* A rectangle of pixels that no part has: x0, y0, x1, y1; false: there is none. It counts as covered then. */
 bool tiles_take_gap(Tiles *tiles, uint32_t gap[4]);

@@ -318,7 +318,8 @@ Status output_write(const Output *output, const Image *image, const ExrOptions *
     if (!output->png) return exr_write(output->path, image, exr, error);
     Image shown;
     TRY(image_for_display(image, color, look, &shown, error));
-    Status status = png_write(output->path, &shown, 8, error);
+    Status status = exr->place ? image_expand(&shown, exr->place, error) : STATUS_OK;
+    if (status == STATUS_OK) status = png_write(output->path, &shown, 8, error);
     image_clear(&shown);
     return status;
 }

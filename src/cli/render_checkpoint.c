@@ -232,7 +232,7 @@ Status render_write_checkpoint(RenderRun *run, Error *error)
         notes.noise = run->checkpoint.noise;
         if (whole) notes.end_sample = notes.samples;
     }
-    TRY(early_resolve(&state->film, state->crop, 1, &image, error));
+    TRY(early_resolve(&state->film, 1, &image, error));
     ImageAttribute software = {.name = "software", .type = ATTRIBUTE_TEXT, .text = "meniscus " MEN_VERSION};
     ExrOptions exr = {.half = true, .attributes = &software, .n_attributes = 1, .pool = run->pool};
     Status status = checkpoint_write(run->checkpoint.path, state, &notes, &image, &exr, error);

@@ -50,7 +50,7 @@ Status render_print_pixel(const RenderRun *run, Error *error)
     const uint32_t *at = run->options->values[OPTION_RENDER_PIXEL].whole;
     if (!option_given(run->options, OPTION_RENDER_PIXEL)) return STATUS_OK;
     Buf out = {0};
-    const float *values = image_at(&run->image, at[0], at[1]);
+    const float *values = run->image.pixels; /* it is the only one */
     if (run->plan.numbered) buf_format(&out, "frame %u\n", run->input.scene->frame);
     buf_format(&out, "pixel %u,%u\nsamples %u\n", at[0], at[1], run->stats.most_samples);
     for (uint32_t c = 0; c < run->image.n_channels; c++)

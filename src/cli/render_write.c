@@ -79,8 +79,11 @@ Status render_write_outputs(const RenderRun *run, bool again, Error *error)
     Attributes attributes;
     describe(run, false, &attributes);
     unsigned half = run->options->values[OPTION_HALF].place, full = run->options->values[OPTION_FLOAT].place;
-    ExrOptions exr = {
-        .half = half > full, .attributes = attributes.items, .n_attributes = attributes.n, .pool = run->pool};
+    ExrOptions exr = {.half = half > full,
+                      .attributes = attributes.items,
+                      .n_attributes = attributes.n,
+                      .place = &run->state.place,
+                      .pool = run->pool};
     Status first = STATUS_OK;
     for (size_t i = 0; i < run->outputs.n; i++) {
         Error own = {0};

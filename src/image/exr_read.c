@@ -14,11 +14,37 @@ enum {
 typedef struct ExrPart {
     exr_storage_t storage;
     exr_compression_t compression;
-    exr_attr_box2i_t data, display;
+    exr_attr_box2i_t data, display, wanted; /* wanted: what is read */
     const exr_attr_chlist_t *channels;
 } ExrPart;
 
-static Status check_part(const ExrFile *file, const ExrPart *part, Error *error)
+/* Before memory is asked for: a header can lie, and a small file cannot hold a huge picture. */
+static Status check_windows(const ExrFile *file, const ExrPart *part, double pixel_bytes, bool whole, Error *error)
+{
+    const exr_attr_box2i_t *windows[2] = {&part->data, &part->display};
+    const double most = 1e6 + BEST_RATIO * (double)file->bytes.size;
+    double width[2], height[2];
+    for (int i = 0; i < 2; i++) {
+        width[i] = (double)windows[i]->max.x - windows[i]->min.x + 1;
+        height[i] = (double)windows[i]->max.y - windows[i]->min.y + 1;
+        if (!(width[i] >= 1 && width[i] <= EXR_MAX_SIDE && height[i] >= 1 && height[i] <= EXR_MAX_SIDE))
+            return fail(error, STATUS_INPUT, "cannot read '%s': its header says %.0f x %.0f pixels; the limit is %d",
+                        file->path, width[i], height[i], EXR_MAX_SIDE);
+    }
+    if (width[0] * height[0] * pixel_bytes > most)
+        return fail(error, STATUS_INPUT,
+                    "cannot read '%s': its header says %.0f x %.0f pixels, for which the file is too short", file->path,
+                    width[0], height[0]);
+    if (whole && width[1] * height[1] * pixel_bytes > most)
+        return fail(error, STATUS_INPUT,
+                    "cannot read '%s': it holds %.0f x %.0f pixels of a picture of %.0f x %.0f, most of which would be "
+                    "empty; 'meniscus merge' puts such parts together",
+                    file->path, width[0], height[0], width[1], height[1]);
+    return STATUS_OK;
+}
+
+/* whole: all of the display window is to be read. */
+static Status check_part(const ExrFile *file, const ExrPart *part, bool whole, Error *error)
 {
     if (part->storage != EXR_STORAGE_SCANLINE && part->storage != EXR_STORAGE_TILED)
         return fail(error, STATUS_INPUT, "cannot read '%s': it holds deep data, not a flat picture", file->path);
@@ -42,23 +68,10 @@ static Status check_part(const ExrFile *file, const ExrPart *part, Error *error)
                         channel->name.str);
         pixel_bytes += channel->pixel_type == EXR_PIXEL_HALF ? 2 : 4;
     }
-    const exr_attr_box2i_t *windows[2] = {&part->data, &part->display};
-    for (int i = 0; i < 2; i++) {
-        double width = (double)windows[i]->max.x - windows[i]->min.x + 1;
-        double height = (double)windows[i]->max.y - windows[i]->min.y + 1;
-        if (!(width >= 1 && width <= EXR_MAX_SIDE && height >= 1 && height <= EXR_MAX_SIDE))
-            return fail(error, STATUS_INPUT, "cannot read '%s': its header says %.0f x %.0f pixels; the limit is %d",
-                        file->path, width, height, EXR_MAX_SIDE);
-        /* before memory is asked for: a header can lie, and a small file cannot hold a huge picture */
-        if (width * height * pixel_bytes > 1e6 + BEST_RATIO * (double)file->bytes.size)
-            return fail(error, STATUS_INPUT,
-                        "cannot read '%s': its header says %.0f x %.0f pixels, for which the file is too short",
-                        file->path, width, height);
-    }
-    return STATUS_OK;
+    return check_windows(file, part, pixel_bytes, whole, error);
 }
 
-static Status describe_part(const ExrFile *file, ExrPart *part, Error *error)
+static Status describe_part(const ExrFile *file, ExrPart *part, bool whole, Error *error)
 {
     exr_result_t result = exr_get_storage(file->context, 0, &part->storage);
     if (result == EXR_ERR_SUCCESS) result = exr_get_compression(file->context, 0, &part->compression);
@@ -66,7 +79,7 @@ static Status describe_part(const ExrFile *file, ExrPart *part, Error *error)
     if (result == EXR_ERR_SUCCESS) result = exr_get_display_window(file->context, 0, &part->display);
     if (result == EXR_ERR_SUCCESS) result = exr_get_channels(file->context, 0, &part->channels);
     if (result != EXR_ERR_SUCCESS) return exr_fail_read(file->path, &file->bytes, result, error);
-    return check_part(file, part, error);
+    return check_part(file, part, whole, error);
 }
 
 /* The decoding of one part's chunks, one after another, into the image. */
@@ -80,12 +93,12 @@ typedef struct ExrDecoder {
     size_t staging_size;
 } ExrDecoder;
 
-/* Staging, whose first pixel is (x, y) of the file's coordinates, to where it lies in the display window. */
+/* Staging, whose first pixel is (x, y) of the file's coordinates, to where it lies in what is wanted. */
 static void place_chunk(const ExrDecoder *decoder, int64_t x, int64_t y, int32_t width, int32_t height)
 {
     Image *image = decoder->image;
-    x -= decoder->part->display.min.x;
-    y -= decoder->part->display.min.y;
+    x -= decoder->part->wanted.min.x;
+    y -= decoder->part->wanted.min.y;
     int64_t first = x < 0 ? -x : 0;
     int64_t last = x + width > image->width ? (int64_t)image->width - x : width;
     if (first >= last) return;
@@ -214,15 +227,45 @@ static Status image_for_part(const ExrPart *part, Image *image, Error *error)
 {
     const char *names[MAX_CHANNELS];
     for (int c = 0; c < part->channels->num_channels; c++) names[c] = part->channels->entries[c].name.str;
-    return image_new((uint32_t)(part->display.max.x - part->display.min.x + 1),
-                     (uint32_t)(part->display.max.y - part->display.min.y + 1), names,
+    return image_new((uint32_t)(part->wanted.max.x - part->wanted.min.x + 1),
+                     (uint32_t)(part->wanted.max.y - part->wanted.min.y + 1), names,
                      (uint32_t)part->channels->num_channels, image, error);
 }
 
-static Status read_open_file(const ExrFile *file, Image *image, Error *error)
+static int32_t larger(int32_t a, int32_t b)
+{
+    return a > b ? a : b;
+}
+
+static int32_t smaller(int32_t a, int32_t b)
+{
+    return a < b ? a : b;
+}
+
+/* What both windows have. */
+static Status want_common(const ExrFile *file, ExrPart *part, ImagePlace *place, Error *error)
+{
+    const exr_attr_box2i_t *data = &part->data, *display = &part->display;
+    part->wanted.min.x = larger(data->min.x, display->min.x);
+    part->wanted.min.y = larger(data->min.y, display->min.y);
+    part->wanted.max.x = smaller(data->max.x, display->max.x);
+    part->wanted.max.y = smaller(data->max.y, display->max.y);
+    if (part->wanted.min.x > part->wanted.max.x || part->wanted.min.y > part->wanted.max.y)
+        return fail(error, STATUS_INPUT, "cannot read '%s': its pixels lie outside of its picture", file->path);
+    *place = (ImagePlace){.x = (uint32_t)((int64_t)part->wanted.min.x - display->min.x),
+                          .y = (uint32_t)((int64_t)part->wanted.min.y - display->min.y),
+                          .width = (uint32_t)((int64_t)display->max.x - display->min.x + 1),
+                          .height = (uint32_t)((int64_t)display->max.y - display->min.y + 1)};
+    return STATUS_OK;
+}
+
+/* place: NULL, and all of the display window is read; or only what there is of it, and where that lies. */
+static Status read_open_file(const ExrFile *file, Image *image, ImagePlace *place, Error *error)
 {
     ExrPart part;
-    TRY(describe_part(file, &part, error));
+    TRY(describe_part(file, &part, !place, error));
+    part.wanted = part.display;
+    if (place) TRY(want_common(file, &part, place, error));
     exr_result_t result = find_last_chunk(file, &part);
     if (result != EXR_ERR_SUCCESS) return exr_fail_read(file->path, &file->bytes, result, error);
     TRY(image_for_part(&part, image, error));
@@ -235,12 +278,22 @@ static Status read_open_file(const ExrFile *file, Image *image, Error *error)
     return exr_fail_read(file->path, &file->bytes, result, error);
 }
 
-Status exr_read(const char *path, Image *image, Error *error)
+static Status read_file(const char *path, Image *image, ImagePlace *place, Error *error)
 {
     *image = (Image){0};
     ExrFile file;
     Status status = exr_file_open(path, &file, error);
-    if (status == STATUS_OK) status = read_open_file(&file, image, error);
+    if (status == STATUS_OK) status = read_open_file(&file, image, place, error);
     exr_file_close(&file);
     return status;
+}
+
+Status exr_read(const char *path, Image *image, Error *error)
+{
+    return read_file(path, image, NULL, error);
+}
+
+Status exr_read_part(const char *path, Image *image, ImagePlace *place, Error *error)
+{
+    return read_file(path, image, place, error);
 }

@@ -73,6 +73,28 @@ void image_crop(Image *image, const uint32_t crop[4])
     image->height = crop[3] - crop[1];
 }
 
+Status image_new_like(const Image *like, uint32_t width, uint32_t height, Image *image, Error *error)
+{
+    const char **names = malloc(like->n_channels * sizeof *names);
+    if (!names) return fail_memory(error, like->n_channels * sizeof *names, "the names of channels");
+    for (uint32_t i = 0; i < like->n_channels; i++) names[i] = like->names[i];
+    Status status = image_new(width, height, names, like->n_channels, image, error);
+    free(names);
+    return status;
+}
+
+Status image_expand(Image *image, const ImagePlace *place, Error *error)
+{
+    Image whole;
+    TRY(image_new_like(image, place->width, place->height, &whole, error));
+    const size_t row = (size_t)image->width * image->n_channels * sizeof *image->pixels;
+    for (uint32_t y = 0; y < image->height; y++)
+        memcpy(image_at(&whole, place->x, place->y + y), image_at(image, 0, y), row);
+    image_clear(image);
+    *image = whole;
+    return STATUS_OK;
+}
+
 void image_copy_channels(const Image *from, uint32_t first, uint32_t n, Image *to, uint32_t at)
 {
     for (uint32_t y = 0; y < from->height; y++)

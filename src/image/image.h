@@ -21,6 +21,11 @@ typedef struct Image {
     float *pixels;                  /* width * height * n_channels */
 } Image;
 
+/* Where a picture lies that is a part of a larger one: its first pixel, and how large the whole is. */
+typedef struct ImagePlace {
+    uint32_t x, y, width, height;
+} ImagePlace;
+
 typedef enum AttributeType { ATTRIBUTE_TEXT, ATTRIBUTE_INT, ATTRIBUTE_FLOAT } AttributeType;
 typedef struct ImageAttribute {
     const char *name;
@@ -36,6 +41,8 @@ typedef struct ExrOptions {
     const ImageAttribute *attributes; /* the render's settings: "meniscus/samples", ... */
     size_t n_attributes;
     float pixel_aspect; /* 0: 1 */
+    const ImagePlace
+        *place; /* of the picture, as a data window in the whole, which it lies in; NULL: it is the whole */
     /* Writes more bytes behind the picture, which readers of EXR files do not look at; NULL: none. */
     Status (*append)(void *context, FILE *stream, Error *error);
     void *append_context;
@@ -45,6 +52,8 @@ typedef struct ExrOptions {
 /* Dimensions are 1..65536 each, channels 1..1024; STATUS_NOMEM otherwise fits memory or not. */
 ATTR_NODISCARD Status image_new(uint32_t width, uint32_t height, const char *const *names, uint32_t n_channels,
                                 Image *image, Error *error);
+/* The same, with the channels of another. */
+ATTR_NODISCARD Status image_new_like(const Image *like, uint32_t width, uint32_t height, Image *image, Error *error);
 void image_clear(Image *image);
 /* The channels of a pixel. */
 static inline float *image_at(const Image *image, uint32_t x, uint32_t y)
@@ -58,6 +67,8 @@ static inline unsigned image_byte(float shown)
 }
 /* Takes away all pixels but those from crop[0], crop[1] up to but without crop[2], crop[3], of which there are some. */
 void image_crop(Image *image, const uint32_t crop[4]);
+/* Makes a part the whole, which is 0 beyond it. STATUS_NOMEM; the image is then as it was. */
+ATTR_NODISCARD Status image_expand(Image *image, const ImagePlace *place, Error *error);
 /* Copies n channels, from `first` on, to those from `at` on of an image of the same size. */
 void image_copy_channels(const Image *from, uint32_t first, uint32_t n, Image *to, uint32_t at);
 /* The index of a channel, -1 when there is none. */
@@ -74,6 +85,8 @@ ATTR_NODISCARD Status exr_write(const char *path, const Image *image, const ExrO
 /* The first part, all channels as float; scan lines or tiles (full resolution), data window placed in the
  * display window (outside of it 0). STATUS_INPUT. */
 ATTR_NODISCARD Status exr_read(const char *path, Image *image, Error *error);
+/* The same, but only what the data window has of the display window; STATUS_INPUT where that is nothing. */
+ATTR_NODISCARD Status exr_read_part(const char *path, Image *image, ImagePlace *place, Error *error);
 /* The attribute's text or number as text, into a malloc'd string; NULL text when it has none. */
 ATTR_NODISCARD Status exr_read_attribute(const char *path, const char *name, char **text, Error *error);
 /* Every attribute of the first part in the file's order, as text: windows, channels with their types, compression,

@@ -43,21 +43,21 @@ double adapt_dark(const Brightness *brightness, Exposure exposure)
 }
 
 /* Of the picture that these pixels are so far. */
-static double dark_of(const Film *film, const uint32_t crop[4], Exposure exposure)
+static double dark_of(const Film *film, Exposure exposure)
 {
     Brightness brightness = {0};
-    for (uint32_t y = crop[1]; exposure.automatic && y < crop[3]; y++)
-        for (uint32_t x = crop[0]; x < crop[2]; x++)
+    for (uint32_t y = 0; exposure.automatic && y < film->height; y++)
+        for (uint32_t x = 0; x < film->width; x++)
             if (film_alpha(film_pixel(film, x, y)) > 0) brightness_note(&brightness, pixel_luminance(film, x, y));
     return adapt_dark(&brightness, exposure);
 }
 
 /* Of the pixels around one, not of itself: a firefly would else be small in relation to the light that it brings. */
-static double luminance_around(const Film *film, const uint32_t crop[4], uint32_t x, uint32_t y)
+static double luminance_around(const Film *film, uint32_t x, uint32_t y)
 {
     double sum = 0, weights = 0;
-    for (uint32_t v = y > crop[1] ? y - 1 : y; v <= y + 1 && v < crop[3]; v++)
-        for (uint32_t u = x > crop[0] ? x - 1 : x; u <= x + 1 && u < crop[2]; u++) {
+    for (uint32_t v = y > 0 ? y - 1 : y; v <= y + 1 && v < film->height; v++)
+        for (uint32_t u = x > 0 ? x - 1 : x; u <= x + 1 && u < film->width; u++) {
             double weight = u == x && v == y ? 0 : u == x || v == y ? 2 : 1;
             sum += weight * pixel_luminance(film, u, v);
             weights += weight;
@@ -83,61 +83,59 @@ static double error_after(double error, const Spread *spread, uint32_t x, uint32
 }
 
 /* Whether all pixels have two samples or more. */
-static bool has_pairs(const Film *film, const uint32_t crop[4])
+static bool has_pairs(const Film *film)
 {
-    for (uint32_t y = crop[1]; y < crop[3]; y++)
-        for (uint32_t x = crop[0]; x < crop[2]; x++)
-            if (film_pixel(film, x, y)->n < 2) return false;
-    return true;
+    uint32_t least, most;
+    uint64_t sum;
+    film_count_samples(film, &least, &most, &sum);
+    return least >= 2;
 }
 
 typedef struct Judgement {
     const Film *film;
     const Spread *spread; /* NULL: none */
     const Evenness *evenness;
-    const uint32_t *crop;
     double dark;
     double *sums; /* of the noise, of each row */
 } Judgement;
 
-static void judge_row(void *context, uint32_t row, unsigned worker)
+static void judge_row(void *context, uint32_t y, unsigned worker)
 {
     const Judgement *j = context;
     (void)worker;
-    uint32_t y = j->crop[1] + row;
     double sum = 0;
-    for (uint32_t x = j->crop[0]; x < j->crop[2]; x++) {
+    for (uint32_t x = 0; x < j->film->width; x++) {
         double error = pixel_error(j->film, j->evenness, x, y) / sqrt(film_pixel(j->film, x, y)->n);
         if (j->spread) error = error_after(error, j->spread, x, y);
-        sum += relative(error, luminance_around(j->film, j->crop, x, y), j->dark);
+        sum += relative(error, luminance_around(j->film, x, y), j->dark);
     }
-    j->sums[row] = sum;
+    j->sums[y] = sum;
 }
 
-double adapt_noise(const Film *film, const Spread *spread, const uint32_t crop[4], Exposure exposure, Pool *pool)
+double adapt_noise(const Film *film, const Spread *spread, Exposure exposure, Pool *pool)
 {
     Evenness evenness;
     Error unused; /* the picture is not to suffer */
-    uint32_t height = crop[3] - crop[1];
-    if (film->first_sample || !has_pairs(film, crop)) return -1;
+    const uint32_t height = film->height;
+    if (film->first_sample || !has_pairs(film)) return -1;
     double *sums = malloc((height + 1U) * sizeof *sums), sum = 0;
-    if (!sums || evenness_init(&evenness, film, crop, pool, &unused) != STATUS_OK) {
+    if (!sums || evenness_init(&evenness, film, pool, &unused) != STATUS_OK) {
         free(sums);
         return -1;
     }
-    Judgement judgement = {film, spread, &evenness, crop, dark_of(film, crop, exposure), sums};
+    Judgement judgement = {film, spread, &evenness, dark_of(film, exposure), sums};
     pool_run(pool, height, judge_row, &judgement);
     for (uint32_t row = 0; row < height; row++) sum += sums[row];
     evenness_clear(&evenness);
     free(sums);
-    uint64_t n = (uint64_t)height * (crop[2] - crop[0]);
+    uint64_t n = (uint64_t)height * film->width;
     return n ? sum / (double)n : -1;
 }
 
-Status adapt_init(Adapt *adapt, const uint32_t crop[4], Exposure exposure, Error *error)
+Status adapt_init(Adapt *adapt, const Film *film, Exposure exposure, Error *error)
 {
-    *adapt = (Adapt){.crop = {crop[0], crop[1], crop[2], crop[3]}, .exposure = exposure};
-    size_t n = (size_t)(crop[2] - crop[0]) * (crop[3] - crop[1]);
+    *adapt = (Adapt){.exposure = exposure};
+    size_t n = (size_t)film->width * film->height;
     adapt->wanted = calloc(n, sizeof *adapt->wanted);
     bool ready = adapt->wanted != NULL;
     for (size_t i = 0; i < COUNT_OF(adapt->maps); i++)
@@ -169,14 +167,13 @@ typedef struct Reading {
     const Evenness *evenness;
 } Reading;
 
-static void read_row(void *context, uint32_t row, unsigned worker)
+static void read_row(void *context, uint32_t y, unsigned worker)
 {
     const Reading *reading = context;
     (void)worker;
-    const uint32_t *crop = reading->adapt->crop;
     float *const *maps = reading->adapt->maps;
-    size_t i = (size_t)row * (crop[2] - crop[0]);
-    for (uint32_t x = crop[0], y = crop[1] + row; x < crop[2]; x++, i++) {
+    size_t i = (size_t)y * reading->film->width;
+    for (uint32_t x = 0; x < reading->film->width; x++, i++) {
         const FilmPixel *pixel = film_pixel(reading->film, x, y);
         double mean, of_samples;
         film_luminance(pixel, &mean, &of_samples);
@@ -190,8 +187,8 @@ static void read_row(void *context, uint32_t row, unsigned worker)
 static Status make_maps(Adapt *adapt, const Film *film, uint32_t near, uint32_t wide, Pool *pool, Error *error)
 {
     Evenness evenness;
-    TRY(evenness_init(&evenness, film, adapt->crop, pool, error));
-    uint32_t width = adapt->crop[2] - adapt->crop[0], height = adapt->crop[3] - adapt->crop[1];
+    TRY(evenness_init(&evenness, film, pool, error));
+    const uint32_t width = film->width, height = film->height;
     size_t n = (size_t)width * height;
     float **maps = adapt->maps, *scratch = maps[ADAPT_SCRATCH];
     Reading reading = {adapt, film, &evenness};
@@ -217,10 +214,10 @@ Status adapt_plan(Adapt *adapt, const Film *film, double noise, uint32_t most, P
 {
     AdaptPlan plan = {0};
     TRY(make_maps(adapt, film, NEAR, WIDE, pool, error));
-    const double dark = dark_of(film, adapt->crop, adapt->exposure);
+    const double dark = dark_of(film, adapt->exposure);
     size_t i = 0;
-    for (uint32_t y = adapt->crop[1]; y < adapt->crop[3]; y++)
-        for (uint32_t x = adapt->crop[0]; x < adapt->crop[2]; x++, i++) {
+    for (uint32_t y = 0; y < film->height; y++)
+        for (uint32_t x = 0; x < film->width; x++, i++) {
             uint32_t n = film_pixel(film, x, y)->n;
             double one = (double)adapt->maps[ADAPT_ERROR][i], luminance = (double)adapt->maps[ADAPT_LUMINANCE][i];
             double enough = pow(relative(one, luminance, dark) / noise, 2);
@@ -280,12 +277,12 @@ static uint32_t step_near(uint32_t n, double samples, uint32_t x, uint32_t y)
 /* What numbers of samples are to be in proportion to. */
 static void find_need(Adapt *adapt, const Film *film, Pool *pool)
 {
-    uint32_t width = adapt->crop[2] - adapt->crop[0], height = adapt->crop[3] - adapt->crop[1];
+    const uint32_t width = film->width, height = film->height;
     float **maps = adapt->maps, *cost = maps[ADAPT_FAR_ERROR];
-    const double dark = dark_of(film, adapt->crop, adapt->exposure);
+    const double dark = dark_of(film, adapt->exposure);
     size_t i = 0;
-    for (uint32_t y = adapt->crop[1]; y < adapt->crop[3]; y++)
-        for (uint32_t x = adapt->crop[0]; x < adapt->crop[2]; x++, i++) {
+    for (uint32_t y = 0; y < film->height; y++)
+        for (uint32_t x = 0; x < film->width; x++, i++) {
             const FilmPixel *pixel = film_pixel(film, x, y);
             maps[ADAPT_DEVIATION][i] = (float)((double)pixel->rays / pixel->n);
         }
@@ -299,17 +296,16 @@ static void find_need(Adapt *adapt, const Film *film, Pool *pool)
 
 /* What pixels want of their shares; returns how many samples these are. now: all of them, else whole steps, and of what is more
  * than the least no more than GROWTH times what they have. */
-static double want_shares(Adapt *adapt, double scale, double least, bool now)
+static double want_shares(Adapt *adapt, const Film *film, double scale, double least, bool now)
 {
     const float *have = adapt->maps[ADAPT_DEVIATION], *need = adapt->maps[ADAPT_NEAR];
-    uint32_t width = adapt->crop[2] - adapt->crop[0];
-    size_t pixels = (size_t)width * (adapt->crop[3] - adapt->crop[1]);
+    const size_t pixels = (size_t)film->width * film->height;
     double sum = 0;
     for (size_t i = 0; i < pixels; i++) {
         uint32_t n = (uint32_t)have[i];
         double share = share_of(n, (double)need[i], scale, least);
         uint32_t part = step_below(fmin(share, fmax(GROWTH * (double)n, least)));
-        if (now) part = step_near(n, share, (uint32_t)(i % width), (uint32_t)(i / width));
+        if (now) part = step_near(n, share, (uint32_t)(i % film->width), (uint32_t)(i / film->width));
         adapt->wanted[i] = part > n ? part : n;
         sum += adapt->wanted[i] - n;
     }
@@ -322,12 +318,10 @@ Status adapt_share(Adapt *adapt, const Film *film, uint32_t samples, Pool *pool,
     TRY(make_maps(adapt, film, NEXT, 0, pool, error));
     find_need(adapt, film, pool);
     float *have = adapt->maps[ADAPT_DEVIATION];
-    uint32_t width = adapt->crop[2] - adapt->crop[0];
-    size_t pixels = (size_t)width * (adapt->crop[3] - adapt->crop[1]);
+    const size_t pixels = (size_t)film->width * film->height;
     double sum = 0;
     for (size_t i = 0; i < pixels; i++) {
-        have[i] =
-            (float)film_pixel(film, adapt->crop[0] + (uint32_t)(i % width), adapt->crop[1] + (uint32_t)(i / width))->n;
+        have[i] = (float)film->pixels[i].n;
         adapt->wanted[i] = (uint32_t)have[i];
         sum += (double)have[i];
     }
@@ -336,8 +330,8 @@ Status adapt_share(Adapt *adapt, const Film *film, uint32_t samples, Pool *pool,
         next_step(2, 0.95 * fmin(GROWTH * sum, all) / (double)pixels / LEAST_PART); /* 24 is a quarter of 100 */
     if (sum > 0.99 * all) return STATUS_OK;
     double scale = find_scale(have, adapt->maps[ADAPT_NEAR], pixels, ahead, least);
-    if (want_shares(adapt, scale, least, false) < ahead * (double)pixels / LAST_PART)
-        (void)want_shares(adapt, scale, least, true);
+    if (want_shares(adapt, film, scale, least, false) < ahead * (double)pixels / LAST_PART)
+        (void)want_shares(adapt, film, scale, least, true);
     for (size_t i = 0; i < pixels; i++) {
         uint32_t more = adapt->wanted[i] - (uint32_t)have[i];
         if (more > plan->next) plan->next = more;

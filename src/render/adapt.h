@@ -18,20 +18,19 @@
 
 /* The luminance of that tenth of white. */
 double adapt_dark(const Brightness *brightness, Exposure exposure);
-/* The noise of the pixels from x0, y0 up to but without x1, y1; negative when one of them has fewer than two samples,
- * the film does not begin with the first sample, or memory ends. spread: NULL, or of the same pixels, where single bright samples
+/* The noise of the picture; negative when a pixel has fewer than two samples,
+ * the film does not begin with the first sample, or memory ends. spread: NULL, or where single bright samples
  * go. exposure: an automatic one is that of the film so far. pool: here and below, NULL, or who shares the work; the same bits
  * for any number of threads. */
-double adapt_noise(const Film *film, const Spread *spread, const uint32_t crop[4], Exposure exposure, Pool *pool);
+double adapt_noise(const Film *film, const Spread *spread, Exposure exposure, Pool *pool);
 
 /* Maps: the deviation of a pixel's samples; its error for one sample, as first its halves and at last its neighbours say it;
  * its luminance, as they do; and what is needed on the way. */
 enum { ADAPT_DEVIATION, ADAPT_ERROR, ADAPT_LUMINANCE, ADAPT_NEAR, ADAPT_FAR_ERROR, ADAPT_SCRATCH, ADAPT_MAPS };
 
 typedef struct Adapt {
-    uint32_t crop[4];
     Exposure exposure;       /* as adapt_noise has it */
-    uint32_t *wanted;        /* for each pixel of the crop, by rows: how many samples it is to have next */
+    uint32_t *wanted;        /* for each pixel, by rows: how many samples it is to have next */
     float *maps[ADAPT_MAPS]; /* of the same size */
 } Adapt;
 
@@ -43,7 +42,7 @@ typedef struct AdaptPlan {
     uint64_t unmet;   /* pixels that have the most samples, and are not done */
 } AdaptPlan;
 
-ATTR_NODISCARD Status adapt_init(Adapt *adapt, const uint32_t crop[4], Exposure exposure, Error *error);
+ATTR_NODISCARD Status adapt_init(Adapt *adapt, const Film *film, Exposure exposure, Error *error);
 void adapt_clear(Adapt *adapt);
 /* Judges all pixels, which have 2 samples or more, and sets what each wants next: at most twice what it has, at most
  * `most`, and in steps such that the samples of a pixel fill its strata, 2^k or 3 * 2^k of them. A function of the film alone.

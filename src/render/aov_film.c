@@ -317,40 +317,40 @@ size_t aov_film_pixel_size(void)
     return AOV_SUMS * sizeof(int64_t);
 }
 
-static size_t bytes_of_row(const AovFilm *film, uint32_t x0, uint32_t x1)
+static size_t bytes_of_row(const AovFilm *film)
 {
-    return (x1 - x0) * sums_of_pixel(film) * sizeof *film->sums;
+    return film->width * sums_of_pixel(film) * sizeof *film->sums;
 }
 
-void aov_film_save_row(const AovFilm *film, uint32_t x0, uint32_t x1, uint32_t y, Buf *out)
+void aov_film_save_row(const AovFilm *film, uint32_t y, Buf *out)
 {
     if (!film->sums) return;
-    buf_add_bytes(out, (const char *)sums_at(film, x0, y), bytes_of_row(film, x0, x1));
-    for (size_t x = x0; x < x1; x++)
+    buf_add_bytes(out, (const char *)sums_at(film, 0, y), bytes_of_row(film));
+    for (size_t x = 0; x < film->width; x++)
         for (int i = 0; i < AOV_TALLIES; i++)
             if (film->tallies[i]) tally_save(&film->tallies[i][(size_t)y * film->width + x], out);
 }
 
-bool aov_film_load_row(AovFilm *film, uint32_t x0, uint32_t x1, uint32_t y, BufReader *in)
+bool aov_film_load_row(AovFilm *film, uint32_t y, BufReader *in)
 {
     if (!film->sums) return true;
-    bool good = buf_take(in, sums_at(film, x0, y), bytes_of_row(film, x0, x1));
-    for (size_t x = x0; x < x1; x++)
+    bool good = buf_take(in, sums_at(film, 0, y), bytes_of_row(film));
+    for (size_t x = 0; x < film->width; x++)
         for (int i = 0; i < AOV_TALLIES; i++)
             good = good && (!film->tallies[i] || tally_load(&film->tallies[i][(size_t)y * film->width + x], in));
     return good;
 }
 
-bool aov_film_join_row(AovFilm *film, uint32_t x0, uint32_t x1, uint32_t y, const AovFilm *next, uint32_t next_y)
+bool aov_film_join_row(AovFilm *film, uint32_t y, const AovFilm *next, uint32_t next_y)
 {
     if (!film->sums) return true;
-    int64_t *sums = sums_at(film, x0, y);
-    const int64_t *others = sums_at(next, x0, next_y);
+    int64_t *sums = sums_at(film, 0, y);
+    const int64_t *others = sums_at(next, 0, next_y);
     /* those of damaged files are not to overflow */
-    for (size_t i = 0; i < (x1 - x0) * sums_of_pixel(film); i++)
+    for (size_t i = 0; i < film->width * sums_of_pixel(film); i++)
         sums[i] = held((int64_t)((uint64_t)sums[i] + (uint64_t)others[i]));
     bool kept = true;
-    for (size_t x = x0; x < x1; x++) {
+    for (size_t x = 0; x < film->width; x++) {
         size_t to = (size_t)y * film->width + x, from = (size_t)next_y * next->width + x;
         for (int i = 0; i < AOV_TALLIES; i++)
             kept = kept && (!film->tallies[i] || tally_join(&film->tallies[i][to], &next->tallies[i][from]));

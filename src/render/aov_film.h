@@ -50,9 +50,9 @@ static inline bool aov_film_needs_behind(const AovFilm *film, uint32_t index)
 void aov_film_add(AovFilm *film, uint32_t x, uint32_t y, const Tracer *tracer, const PathCounters *before);
 /* Rows as bytes, and joining two, as film_save_row and its like have it. Those of films of one set and unit. false from joining
  * when memory ends. */
-void aov_film_save_row(const AovFilm *film, uint32_t x0, uint32_t x1, uint32_t y, Buf *out);
-bool aov_film_load_row(AovFilm *film, uint32_t x0, uint32_t x1, uint32_t y, BufReader *in);
-bool aov_film_join_row(AovFilm *film, uint32_t x0, uint32_t x1, uint32_t y, const AovFilm *next, uint32_t next_y);
+void aov_film_save_row(const AovFilm *film, uint32_t y, Buf *out);
+bool aov_film_load_row(AovFilm *film, uint32_t y, BufReader *in);
+bool aov_film_join_row(AovFilm *film, uint32_t y, const AovFilm *next, uint32_t next_y);
 /* Of a row's bytes, without what tallies and what is seen behind clear surfaces add. */
 size_t aov_film_pixel_size(void);
 /* The whole picture: the film's channels, and these. spread, pool: see film_resolve. */

@@ -31,11 +31,11 @@ void bright_film_clear(BrightFilm *film)
     *film = (BrightFilm){0};
 }
 
-void bright_film_forget_row(BrightFilm *film, uint32_t x0, uint32_t x1, uint32_t y)
+void bright_film_forget_row(BrightFilm *film, uint32_t y)
 {
-    size_t row = (size_t)y * film->width;
-    if (film->pixels) memset(&film->pixels[row + x0], 0, (x1 - x0) * sizeof *film->pixels);
-    for (size_t i = row + x0; film->slices && i < row + x1; i++) {
+    const size_t begin = (size_t)y * film->width, end = begin + film->width;
+    if (film->pixels) memset(&film->pixels[begin], 0, film->width * sizeof *film->pixels);
+    for (size_t i = begin; film->slices && i < end; i++) {
         tally_clear(&film->slices[i].things);
         film->slices[i] = (BrightSlice){0};
     }
@@ -103,12 +103,12 @@ void bright_film_add(BrightFilm *film, uint32_t x, uint32_t y, const float rgb[3
 
 /* ---- as bytes ---- */
 
-void bright_film_save_row(const BrightFilm *film, uint32_t x0, uint32_t x1, uint32_t y, Buf *out)
+void bright_film_save_row(const BrightFilm *film, uint32_t y, Buf *out)
 {
     if (!film->pixels) return;
-    size_t row = (size_t)y * film->width;
-    buf_add_bytes(out, (const char *)&film->pixels[row + x0], (x1 - x0) * sizeof *film->pixels);
-    for (size_t i = row + x0; film->slices && i < row + x1; i++) {
+    const size_t begin = (size_t)y * film->width, end = begin + film->width;
+    buf_add_bytes(out, (const char *)&film->pixels[begin], film->width * sizeof *film->pixels);
+    for (size_t i = begin; film->slices && i < end; i++) {
         buf_add_bytes(out, (const char *)film->slices[i].kept, sizeof film->slices[i].kept);
         tally_save(&film->slices[i].things, out);
     }
@@ -123,13 +123,13 @@ static bool can_be(const BrightPixel *pixel)
     return good;
 }
 
-bool bright_film_load_row(BrightFilm *film, uint32_t x0, uint32_t x1, uint32_t y, BufReader *in)
+bool bright_film_load_row(BrightFilm *film, uint32_t y, BufReader *in)
 {
     if (!film->pixels) return true;
-    size_t row = (size_t)y * film->width;
-    bool good = buf_take(in, &film->pixels[row + x0], (x1 - x0) * sizeof *film->pixels);
-    for (size_t i = row + x0; good && i < row + x1; i++) good = can_be(&film->pixels[i]);
-    for (size_t i = row + x0; good && film->slices && i < row + x1; i++)
+    const size_t begin = (size_t)y * film->width, end = begin + film->width;
+    bool good = buf_take(in, &film->pixels[begin], film->width * sizeof *film->pixels);
+    for (size_t i = begin; good && i < end; i++) good = can_be(&film->pixels[i]);
+    for (size_t i = begin; good && film->slices && i < end; i++)
         good =
             buf_take(in, film->slices[i].kept, sizeof film->slices[i].kept) && tally_load(&film->slices[i].things, in);
     return good;
@@ -160,10 +160,9 @@ static void join_kept(BrightPixel *pixel, uint32_t *things, const BrightPixel *n
     pixel->least = bright_light(pixel->rgb[BRIGHT_KEPT - 1]);
 }
 
-bool bright_film_join_row(BrightFilm *film, uint32_t x0, uint32_t x1, uint32_t y, const BrightFilm *next,
-                          uint32_t next_y)
+bool bright_film_join_row(BrightFilm *film, uint32_t y, const BrightFilm *next, uint32_t next_y)
 {
-    for (size_t x = x0; film->pixels && x < x1; x++) {
+    for (size_t x = 0; film->pixels && x < film->width; x++) {
         size_t i = (size_t)y * film->width + x, from = (size_t)next_y * next->width + x;
         const BrightSlice *slice = &next->slices[from];
         BrightSlice *own = film->slices ? &film->slices[i] : NULL;

@@ -58,7 +58,7 @@ typedef struct BrightFilm {
 
 ATTR_NODISCARD Status bright_film_init(BrightFilm *film, bool slice, uint32_t width, uint32_t height, Error *error);
 void bright_film_clear(BrightFilm *film);
-void bright_film_forget_row(BrightFilm *film, uint32_t x0, uint32_t x1, uint32_t y); /* as film_forget_row */
+void bright_film_forget_row(BrightFilm *film, uint32_t y); /* as film_forget_row */
 /* One sample. thing: any number of what it saw first, or BRIGHT_NOTHING. reflected: the part of the light that it says is reflected
  * there, in the mean of a pixel's samples; its mean < 0: it says nothing. A pixel belongs to one thread at a time. */
 void bright_film_add(BrightFilm *film, uint32_t x, uint32_t y, const float rgb[3], uint32_t thing,
@@ -74,9 +74,8 @@ static inline void bright_tint(const BrightPixel *pixel, float tint[3])
 
 /* Rows as bytes, and joining two, as film_save_row and its like have it; also of films without pixels. next: of a film that
  * does not begin with the first sample. false from joining when memory ends. */
-void bright_film_save_row(const BrightFilm *film, uint32_t x0, uint32_t x1, uint32_t y, Buf *out);
-bool bright_film_load_row(BrightFilm *film, uint32_t x0, uint32_t x1, uint32_t y, BufReader *in);
-bool bright_film_join_row(BrightFilm *film, uint32_t x0, uint32_t x1, uint32_t y, const BrightFilm *next,
-                          uint32_t next_y);
+void bright_film_save_row(const BrightFilm *film, uint32_t y, Buf *out);
+bool bright_film_load_row(BrightFilm *film, uint32_t y, BufReader *in);
+bool bright_film_join_row(BrightFilm *film, uint32_t y, const BrightFilm *next, uint32_t next_y);
 
 #endif

@@ -11,7 +11,7 @@
 
 #define MAGIC "MNSSTATE"
 /* The mark's last digit counts what heads and blocks have been. */
-enum { BYTE_ORDER_MARK = 0x01020308, LARGEST_SIDE = 65536 };
+enum { BYTE_ORDER_MARK = 0x01020309, LARGEST_SIDE = 65536 };
 
 /* What a block begins with. */
 typedef struct Prefix {
@@ -27,7 +27,8 @@ typedef struct Footer {
 typedef struct Head {
     uint32_t byte_order, head_size, film_pixel_size, bright_pixel_size, aov_pixel_size;
     uint32_t caught_pixel_size; /* 0: nothing in the scene catches shadows */
-    uint32_t width, height, crop[4];
+    ImagePlace place;
+    uint32_t film_width, film_height;
     uint32_t samples, first_sample, end_sample, guide_samples, least_samples, most_samples;
     uint32_t aovs, spreads, guides, wants, n_facts, n_attributes, n_light_groups;
     uint32_t has_search, searching, none; /* none: 0 */
@@ -92,8 +93,9 @@ static void add_head(const Writing *writing, Buf *out)
                  .bright_pixel_size = sizeof(BrightPixel),
                  .aov_pixel_size = (uint32_t)aov_film_pixel_size(),
                  .caught_pixel_size = state->film.caught ? sizeof(FilmCaught) : 0,
-                 .width = state->film.width,
-                 .height = state->film.height,
+                 .place = state->place,
+                 .film_width = state->film.width,
+                 .film_height = state->film.height,
                  .samples = notes->samples,
                  .first_sample = notes->first_sample,
                  .end_sample = notes->end_sample,
@@ -111,9 +113,8 @@ static void add_head(const Writing *writing, Buf *out)
                  .noise = notes->noise,
                  .counters = state->counters,
                  .saturated_samples = state->saturated_samples};
-    memcpy(head.crop, state->crop, sizeof head.crop);
     uint64_t sum;
-    film_count_samples(&state->film, state->crop, &head.least_samples, &head.most_samples, &sum);
+    film_count_samples(&state->film, &head.least_samples, &head.most_samples, &sum);
     buf_add_bytes(out, (const char *)&head, sizeof head);
     for (uint32_t i = 0; i < state->aovs.groups.n; i++) add_text(out, state->aovs.groups.names[i]);
     for (uint32_t i = 0; i < notes->n_facts; i++) {
@@ -134,13 +135,11 @@ static void add_head(const Writing *writing, Buf *out)
 
 static void add_row(const RenderState *state, uint32_t y, Buf *out)
 {
-    uint32_t x0 = state->crop[0], x1 = state->crop[2];
-    film_save_row(&state->film, x0, x1, y, out);
-    bright_film_save_row(&state->bright, x0, x1, y, out);
-    aov_film_save_row(&state->aovs, x0, x1, y, out);
-    if (state->wanted)
-        buf_add_bytes(out, (const char *)(state->wanted + (size_t)(y - state->crop[1]) * (x1 - x0)),
-                      (x1 - x0) * sizeof *state->wanted);
+    const size_t width = state->film.width;
+    film_save_row(&state->film, y, out);
+    bright_film_save_row(&state->bright, y, out);
+    aov_film_save_row(&state->aovs, y, out);
+    if (state->wanted) buf_add_bytes(out, (const char *)(state->wanted + y * width), width * sizeof *state->wanted);
 }
 
 static Status append_state(void *context, FILE *stream, Error *error)
@@ -154,7 +153,7 @@ static Status append_state(void *context, FILE *stream, Error *error)
     Buf block = {0};
     add_head(writing, &block);
     Status status = write_block(writing, &block, stream, error);
-    for (uint32_t y = state->crop[1]; status == STATUS_OK && y < state->crop[3]; y++) {
+    for (uint32_t y = 0; status == STATUS_OK && y < state->film.height; y++) {
         block.length = 0;
         add_row(state, y, &block);
         status = write_block(writing, &block, stream, error);
@@ -183,6 +182,7 @@ Status checkpoint_write(const char *path, const RenderState *state, const Checkp
         (ImageAttribute){.name = CHECKPOINT_ATTRIBUTE, .type = ATTRIBUTE_TEXT, .text = "behind the picture"};
     options.attributes = attributes;
     options.n_attributes = exr->n_attributes + 1;
+    options.place = &state->place;
     options.append = append_state;
     options.append_context = &writing;
     return exr_write(path, image, &options, error);
@@ -302,24 +302,22 @@ static bool take_light_groups(BufReader *in, uint32_t n, LightGroups *groups)
 
 static bool head_can_be(const Head *head)
 {
-    return head->width >= 1 && head->width <= LARGEST_SIDE && head->height >= 1 && head->height <= LARGEST_SIDE &&
-           head->crop[0] < head->crop[2] && head->crop[2] <= head->width && head->crop[1] < head->crop[3] &&
-           head->crop[3] <= head->height && head->first_sample < head->end_sample &&
-           head->end_sample <= head->samples && head->samples <= FILM_MOST_SAMPLES &&
-           head->least_samples <= head->most_samples && head->most_samples <= FILM_MOST_SAMPLES &&
-           (AovSet)head->aovs < (AovSet)1 << AOV_COUNT && head->unit >= 0 && head->n_facts <= CHECKPOINT_MOST_FACTS &&
-           head->n_attributes <= CHECKPOINT_MOST_ATTRIBUTES;
+    const ImagePlace *place = &head->place;
+    return place->width <= LARGEST_SIDE && place->height <= LARGEST_SIDE && head->film_width >= 1 &&
+           head->film_height >= 1 && head->film_width <= place->width && head->film_height <= place->height &&
+           place->x <= place->width - head->film_width && place->y <= place->height - head->film_height &&
+           head->first_sample < head->end_sample && head->end_sample <= head->samples &&
+           head->samples <= FILM_MOST_SAMPLES && head->least_samples <= head->most_samples &&
+           head->most_samples <= FILM_MOST_SAMPLES && (AovSet)head->aovs < (AovSet)1 << AOV_COUNT && head->unit >= 0 &&
+           head->n_facts <= CHECKPOINT_MOST_FACTS && head->n_attributes <= CHECKPOINT_MOST_ATTRIBUTES;
 }
 
-/* Before memory is asked for. A file can hold a small part of a large frame, whose picture, nearly all black, compresses well. */
+/* Before memory is asked for. */
 static bool has_room(const Checkpoint *file, const Head *head)
 {
-    const double best_ratio = 2000;
-    double pixels = (double)(head->crop[2] - head->crop[0]) * (head->crop[3] - head->crop[1]);
+    double pixels = (double)head->film_width * head->film_height;
     double bytes = sizeof(FilmPixel) + (double)head->caught_pixel_size + (head->spreads ? sizeof(BrightPixel) : 0);
-    off_t here = ftello(file->stream);
-    return pixels * bytes <= (double)file->left &&
-           (double)head->width * head->height <= 1e6 + best_ratio * ((double)here + (double)file->left);
+    return pixels * bytes <= (double)file->left;
 }
 
 static Status take_head(Checkpoint *file, uint64_t length, Error *error)
@@ -346,9 +344,9 @@ static Status take_head(Checkpoint *file, uint64_t length, Error *error)
     if (!take_light_groups(&in, head.n_light_groups, &file->light_groups) || !take_facts(&in, notes) || in.left ||
         !has_room(file, &head))
         return fail_damaged(file, error);
-    file->width = head.width;
-    file->height = head.height;
-    memcpy(file->crop, head.crop, sizeof file->crop);
+    file->place = head.place;
+    file->film_width = head.film_width;
+    file->film_height = head.film_height;
     file->least_samples = head.least_samples;
     file->most_samples = head.most_samples;
     file->aovs = (AovSet)head.aovs;
@@ -387,18 +385,18 @@ Status checkpoint_make_state(const Checkpoint *file, uint32_t height, RenderStat
 {
     *state = (RenderState){
         .counters = file->counters, .saturated_samples = file->saturated_samples, .guide_samples = file->guide_samples};
-    memcpy(state->crop, file->crop, sizeof state->crop);
+    state->place = file->place;
     bool slice = file->notes.first_sample > 0;
-    if (height == 0) height = file->height;
-    Status status = film_init(&state->film, file->width, height, error);
+    const uint32_t width = file->film_width;
+    if (height == 0) height = file->film_height;
+    Status status = film_init(&state->film, width, height, error);
     state->film.first_sample = file->notes.first_sample;
     if (status == STATUS_OK && file->catches) status = film_catch(&state->film, error);
-    if (status == STATUS_OK && file->spreads)
-        status = bright_film_init(&state->bright, slice, file->width, height, error);
+    if (status == STATUS_OK && file->spreads) status = bright_film_init(&state->bright, slice, width, height, error);
     if (status == STATUS_OK)
-        status = aov_film_init(&state->aovs, file->aovs, &file->light_groups, file->guides, file->unit, file->width,
-                               height, error);
-    size_t n = (size_t)(file->crop[2] - file->crop[0]) * (file->crop[3] - file->crop[1]);
+        status = aov_film_init(&state->aovs, file->aovs, &file->light_groups, file->guides, file->unit, width, height,
+                               error);
+    const size_t n = (size_t)width * height;
     if (status == STATUS_OK && file->wants) {
         state->wanted = calloc(n, sizeof *state->wanted);
         if (!state->wanted) status = fail_memory(error, n * sizeof *state->wanted, "the noise of the picture");
@@ -410,20 +408,19 @@ Status checkpoint_make_state(const Checkpoint *file, uint32_t height, RenderStat
 Status checkpoint_read_row(Checkpoint *file, RenderState *state, uint32_t y, Error *error)
 {
     uint64_t length;
-    uint32_t x0 = file->crop[0], x1 = file->crop[2];
+    const uint32_t width = file->film_width;
     TRY(read_block(file, &file->row, &file->row_capacity, &length, error));
     BufReader in = {file->row, length};
-    bool good = film_load_row(&state->film, x0, x1, y, &in);
-    for (uint32_t x = x0; good && x < x1; x++) {
+    bool good = film_load_row(&state->film, y, &in);
+    for (uint32_t x = 0; good && x < width; x++) {
         uint32_t n = film_pixel(&state->film, x, y)->n;
         good = n >= file->least_samples && n <= file->most_samples;
     }
-    good =
-        good && bright_film_load_row(&state->bright, x0, x1, y, &in) && aov_film_load_row(&state->aovs, x0, x1, y, &in);
+    good = good && bright_film_load_row(&state->bright, y, &in) && aov_film_load_row(&state->aovs, y, &in);
     if (good && file->wants) {
-        uint32_t *wanted = state->wanted + (size_t)(y - file->crop[1]) * (x1 - x0);
-        good = buf_take(&in, wanted, (x1 - x0) * sizeof *wanted);
-        for (uint32_t x = 0; good && x < x1 - x0; x++) good = wanted[x] <= FILM_MOST_SAMPLES;
+        uint32_t *wanted = state->wanted + (size_t)y * width;
+        good = buf_take(&in, wanted, width * sizeof *wanted);
+        for (uint32_t x = 0; good && x < width; x++) good = wanted[x] <= FILM_MOST_SAMPLES;
     }
     return good && in.left == 0 ? STATUS_OK : fail_damaged(file, error);
 }
@@ -448,7 +445,7 @@ Status checkpoint_read(Checkpoint *file, RenderState *state, Error *error)
 {
     TRY(checkpoint_make_state(file, 0, state, error));
     Status status = STATUS_OK;
-    for (uint32_t y = file->crop[1]; status == STATUS_OK && y < file->crop[3]; y++)
+    for (uint32_t y = 0; status == STATUS_OK && y < file->film_height; y++)
         status = checkpoint_read_row(file, state, y, error);
     if (status == STATUS_OK && file->has_search) status = read_search(file, state, error);
     if (status == STATUS_OK && file->left) status = fail_damaged(file, error);

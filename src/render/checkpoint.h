@@ -46,7 +46,8 @@ typedef struct Checkpoint {
     uint64_t left; /* bytes before the footer */
     char *head;    /* owned: what notes point into */
     CheckpointNotes notes;
-    uint32_t width, height, crop[4];
+    ImagePlace place; /* of the film in the frame */
+    uint32_t film_width, film_height;
     uint32_t least_samples, most_samples; /* that pixels have */
     AovSet aovs;
     LightGroups light_groups;    /* of AOV_LIGHTS */

@@ -68,7 +68,7 @@ enum {
     PLANES_CARRIED = PLANES + DENOISE_MOST_CARRIED
 };
 
-/* Maps of the area's size. */
+/* Maps of the film's size. */
 enum {
     MAP_RED,
     MAP_GAINED = 3,
@@ -82,13 +82,13 @@ enum {
     MAPS_CARRIED = MAPS + DENOISE_MOST_CARRIED
 };
 
-/* The area in planes, and what its mirror images add to whole tiles and a border around them. */
+/* The picture in planes, and what its mirror images add to whole tiles and a border around them. */
 typedef struct Planes {
-    uint32_t width, height; /* of the area */
+    uint32_t width, height;
     uint32_t tiles_x, tiles_y;
     size_t stride;                /* of rows with their borders */
     int n_carried;                /* channels */
-    float *plane[PLANES_CARRIED]; /* where the area begins; PLANE_NOISE: squares of standard errors */
+    float *plane[PLANES_CARRIED]; /* where the picture begins; PLANE_NOISE: squares of standard errors */
     float *maps[MAPS_CARRIED];
     float *memory;
     Pool *pool;
@@ -139,12 +139,12 @@ static void mirror(const Planes *planes, float *plane)
     }
 }
 
-static void fill(Planes *planes, const Film *film, const AovFilm *aovs, const uint32_t area[4], const Image *image)
+static void fill(Planes *planes, const Film *film, const AovFilm *aovs, const Image *image)
 {
     double looks = 0;
     for (uint32_t y = 0; y < planes->height; y++)
         for (uint32_t x = 0; x < planes->width; x++) {
-            size_t pixel = (size_t)(area[1] + y) * image->width + area[0] + x, to = y * planes->stride + x;
+            size_t pixel = (size_t)y * image->width + x, to = y * planes->stride + x;
             float guide[AOV_GUIDES];
             looks += aov_film_guide(aovs, film, pixel, guide);
             for (int i = 0; i < 3; i++)
@@ -156,13 +156,12 @@ static void fill(Planes *planes, const Film *film, const AovFilm *aovs, const ui
     planes->passed_scale = 1 / sqrtf(PASSED_APART * PASSED_APART + 2 * PASSED_VARIANCE / (float)mean);
 }
 
-static void fill_carried(Planes *planes, const uint32_t area[4], const Image *carried)
+static void fill_carried(Planes *planes, const Image *carried)
 {
     for (uint32_t y = 0; y < planes->height; y++)
         for (uint32_t x = 0; x < planes->width; x++)
             for (int i = 0; i < planes->n_carried; i++)
-                planes->plane[PLANE_CARRIED + i][y * planes->stride + x] =
-                    image_at(carried, area[0] + x, area[1] + y)[i];
+                planes->plane[PLANE_CARRIED + i][y * planes->stride + x] = image_at(carried, x, y)[i];
 }
 
 /* A map's mean around each pixel takes its place. */
@@ -174,26 +173,26 @@ static void blur(const Planes *planes, int map, uint32_t radius)
 }
 
 /* The standard error of luminance by a pixel's own samples. What a film states of its noise is that of those around it. */
-static void fill_own_error(const Planes *planes, const Film *film, const uint32_t area[4])
+static void fill_own_error(const Planes *planes, const Film *film)
 {
     for (uint32_t y = 0; y < planes->height; y++)
         for (uint32_t x = 0; x < planes->width; x++) {
             double mean, standard_error;
-            film_luminance(film_pixel(film, area[0] + x, area[1] + y), &mean, &standard_error);
+            film_luminance(film_pixel(film, x, y), &mean, &standard_error);
             planes->maps[MAP_OWN][(size_t)y * planes->width + x] = (float)fmax(standard_error, 0);
         }
 }
 
 /* How the noise of each colour goes with that of the luminance, around each pixel: in the first maps. Noisier pixels count more, but
  * only by their error, not its square: a dot of one colour would speak for all around it. */
-static void fill_color_noise(const Planes *planes, const Film *film, const uint32_t area[4])
+static void fill_color_noise(const Planes *planes, const Film *film)
 {
     const float least = 1e-20f;
     for (uint32_t y = 0; y < planes->height; y++)
         for (uint32_t x = 0; x < planes->width; x++) {
             size_t i = (size_t)y * planes->width + x;
             float squared[4], scale = 1 / float_max(planes->maps[MAP_OWN][i], sqrtf(least));
-            film_squared_errors(film, area[0] + x, area[1] + y, squared);
+            film_squared_errors(film, x, y, squared);
             for (int k = 0; k < 4; k++) planes->maps[k][i] = squared[k] * scale;
         }
     for (int k = 0; k < 4; k++) blur(planes, k, COLORS_AROUND);
@@ -203,10 +202,10 @@ static void fill_color_noise(const Planes *planes, const Film *film, const uint3
 }
 
 /* By how much a pixel differs from what those next to it foretell, for an even slope: R, G, B and luminance. */
-static void differ_beside(const Image *image, const uint32_t area[4], uint32_t x, uint32_t y, float difference[4])
+static void differ_beside(const Image *image, uint32_t x, uint32_t y, float difference[4])
 {
-    uint32_t right = x + 1 < area[2] ? x + 1 : x > area[0] ? x - 1 : x;
-    uint32_t below = y + 1 < area[3] ? y + 1 : y > area[1] ? y - 1 : y;
+    uint32_t right = x + 1 < image->width ? x + 1 : x > 0 ? x - 1 : x;
+    uint32_t below = y + 1 < image->height ? y + 1 : y > 0 ? y - 1 : y;
     const float *here = image_at(image, x, y), *beside = image_at(image, right, y), *under = image_at(image, x, below),
                 *across = image_at(image, right, below);
     for (int k = 0; k < 3; k++) difference[k] = here[k] - beside[k] - under[k] + across[k];
@@ -215,7 +214,7 @@ static void differ_beside(const Image *image, const uint32_t area[4], uint32_t x
 
 /* Colours may make up for each other in the luminance of all samples, and not of halves of them: what neighbours differ by shows
  * that. Textures differ, too: so it counts only so far. */
-static void mend_color_noise(const Planes *planes, const uint32_t area[4], const Image *image)
+static void mend_color_noise(const Planes *planes, const Image *image)
 {
     const float least = 1e-20f;
     for (int k = 3; k >= 0; k--) {
@@ -224,7 +223,7 @@ static void mend_color_noise(const Planes *planes, const uint32_t area[4], const
             for (uint32_t x = 0; x < planes->width; x++) {
                 size_t i = (size_t)y * planes->width + x;
                 float difference[4];
-                differ_beside(image, area, area[0] + x, area[1] + y, difference);
+                differ_beside(image, x, y, difference);
                 squares[i] = difference[k] * difference[k] / float_max(planes->maps[MAP_OWN][i], sqrtf(least));
             }
         blur(planes, k == 3 ? MAP_CHANGED : MAP_GAINED, COLORS_AROUND);
@@ -236,17 +235,16 @@ static void mend_color_noise(const Planes *planes, const uint32_t area[4], const
     }
 }
 
-static void fill_noise(const Planes *planes, const Film *film, const uint32_t area[4], const Image *image)
+static void fill_noise(const Planes *planes, const Film *film, const Image *image)
 {
     const int channel = image_channel(image, "noise.Y");
     float *noise = planes->maps[MAP_CHANGED], *around = planes->maps[MAP_MEAN];
-    fill_own_error(planes, film, area);
-    fill_color_noise(planes, film, area);
-    mend_color_noise(planes, area, image);
+    fill_own_error(planes, film);
+    fill_color_noise(planes, film);
+    mend_color_noise(planes, image);
     for (int k = 0; k < 3; k++) {
         for (size_t i = 0; i < (size_t)planes->width * planes->height; i++) {
-            uint32_t x = area[0] + (uint32_t)(i % planes->width), y = area[1] + (uint32_t)(i / planes->width);
-            float error = image_at(image, x, y)[channel], own = planes->maps[MAP_OWN][i];
+            float error = image->pixels[i * image->n_channels + (size_t)channel], own = planes->maps[MAP_OWN][i];
             noise[i] = float_min(error * error, HELD * own * own) * planes->maps[k][i];
         }
         mean_around(noise, planes->width, planes->height, 1, planes->maps[MAP_SCRATCH], around, planes->pool);
@@ -394,7 +392,7 @@ static void denoise_tile(void *context, uint32_t index, unsigned worker)
  * the mean over such pixels: the errors of y and of m - y together have the expectation s (c - 1), after [Stein81]. So where the
  * changes are what noise explains, they are made; and where they are far more, because what is there resembles nothing around it,
  * few are. */
-static void settle(const Planes *planes, const uint32_t area[4], Image *image, Image *carried)
+static void settle(const Planes *planes, Image *image, Image *carried)
 {
     blur(planes, MAP_GAINED, CHANGES_AROUND);
     blur(planes, MAP_CHANGED, CHANGES_AROUND);
@@ -404,9 +402,9 @@ static void settle(const Planes *planes, const uint32_t area[4], Image *image, I
             if (planes->plane[PLANE_VALID][y * planes->stride + x] == 0) continue;
             float part =
                 float_min(CHANGES_PAID * planes->maps[MAP_GAINED][i] / (planes->maps[MAP_CHANGED][i] + 1e-20f), 1);
-            float *color = image_at(image, area[0] + x, area[1] + y);
+            float *color = image_at(image, x, y);
             for (size_t k = 0; k < 3; k++) color[k] += part * (planes->maps[MAP_RED + k][i] - color[k]);
-            float *others = planes->n_carried ? image_at(carried, area[0] + x, area[1] + y) : NULL;
+            float *others = planes->n_carried ? image_at(carried, x, y) : NULL;
             for (int k = 0; k < planes->n_carried; k++)
                 others[k] += part * (planes->maps[MAP_CARRIED + k][i] - others[k]);
         }
@@ -440,13 +438,13 @@ static void carry(float *carried, float before, float color)
 }
 
 /* What each pixel lost, and all their shares around each. */
-static void find_lost(const Planes *planes, const uint32_t area[4], const Image *image)
+static void find_lost(const Planes *planes, const Image *image)
 {
     float *const *maps = planes->maps, lost[3];
     for (uint32_t y = 0; y < planes->height; y++)
         for (uint32_t x = 0; x < planes->width; x++) {
             size_t i = (size_t)y * planes->width + x;
-            float all = lost_at(planes, x, y, image_at(image, area[0] + x, area[1] + y), lost);
+            float all = lost_at(planes, x, y, image_at(image, x, y), lost);
             for (int k = 0; k < 3; k++) maps[MAP_RED + k][i] = lost[k];
             maps[MAP_LOST][i] = all;
             maps[MAP_CHANGED][i] = share_of(all);
@@ -471,10 +469,10 @@ static void deal_out(const Planes *planes, float *back, float *away)
  * balance over a wide neighbourhood, where the noise of single pixels is small, goes back to those in it that have lost most. (In
  * proportion to what they lost, and over squares, there were squares of coloured dots around what had been one bright dot; and the
  * errors of diamond and prism were larger by a tenth and a twentieth.) */
-static void give_back(const Planes *planes, const uint32_t area[4], Image *image, Image *carried)
+static void give_back(const Planes *planes, Image *image, Image *carried)
 {
     float *const *maps = planes->maps, *away = maps[MAP_OWN];
-    find_lost(planes, area, image);
+    find_lost(planes, image);
     for (int k = 0; k < 3; k++) {
         float *back = maps[MAP_RED + k];
         deal_out(planes, back, away);
@@ -484,27 +482,25 @@ static void give_back(const Planes *planes, const uint32_t area[4], Image *image
             for (uint32_t x = 0; x < planes->width; x++) {
                 if (planes->plane[PLANE_VALID][y * planes->stride + x] == 0) continue;
                 size_t i = (size_t)y * planes->width + x;
-                float *color = &image_at(image, area[0] + x, area[1] + y)[k], before = *color, all = maps[MAP_LOST][i];
+                float *color = &image_at(image, x, y)[k], before = *color, all = maps[MAP_LOST][i];
                 float given = before + share_of(all) * back[i] + share_of(-all) * away[i];
                 *color = before > 0 ? float_max(given, 0) : given;
-                for (int c = k; c < planes->n_carried; c += 3)
-                    carry(&image_at(carried, area[0] + x, area[1] + y)[c], before, *color);
+                for (int c = k; c < planes->n_carried; c += 3) carry(&image_at(carried, x, y)[c], before, *color);
             }
     }
 }
 
-Status denoise(const Film *film, const AovFilm *aovs, const uint32_t area[4], Pool *pool, Image *image, Image *carried,
-               Error *error)
+Status denoise(const Film *film, const AovFilm *aovs, Pool *pool, Image *image, Image *carried, Error *error)
 {
     Planes planes;
-    TRY(planes_new(&planes, area[2] - area[0], area[3] - area[1], carried ? carried->n_channels : 0, pool, error));
-    fill(&planes, film, aovs, area, image);
-    if (carried) fill_carried(&planes, area, carried);
-    fill_noise(&planes, film, area, image);
+    TRY(planes_new(&planes, film->width, film->height, carried ? carried->n_channels : 0, pool, error));
+    fill(&planes, film, aovs, image);
+    if (carried) fill_carried(&planes, carried);
+    fill_noise(&planes, film, image);
     for (int i = 0; i < PLANES + planes.n_carried; i++) mirror(&planes, planes.plane[i]);
     pool_run(pool, planes.tiles_x * planes.tiles_y, denoise_tile, &planes);
-    settle(&planes, area, image, carried);
-    give_back(&planes, area, image, carried);
+    settle(&planes, image, carried);
+    give_back(&planes, image, carried);
     free(planes.memory);
     return STATUS_OK;
 }

@@ -28,11 +28,11 @@ enum { DENOISE_LEAST_SAMPLES = 4 };
 /* Channels that can be carried: of shadow catchers, and of layers of lights. */
 enum { DENOISE_MOST_CARRIED = 6 + 3 * LIMIT_LIGHT_GROUPS };
 
-/* Of the pixels of the area, from x0, y0 up to but without x1, y1: the image's first channels, R, G and B, and noise.Y, as
+/* Of the image's first channels, R, G and B, and noise.Y, as
  * aov_film_resolve makes them of film and aovs; aovs must keep guides. carried: NULL, or an image of up to DENOISE_MOST_CARRIED
  * channels, a multiple of three, which belong to R, G and B in turn, and of which the same means are taken: what is the same in both stays so. With the
  * same bits for any number of threads. pool: NULL is fine. STATUS_NOMEM. */
-ATTR_NODISCARD Status denoise(const Film *film, const AovFilm *aovs, const uint32_t area[4], Pool *pool, Image *image,
-                              Image *carried, Error *error);
+ATTR_NODISCARD Status denoise(const Film *film, const AovFilm *aovs, Pool *pool, Image *image, Image *carried,
+                              Error *error);
 
 #endif

@@ -58,8 +58,7 @@ double evenness_factor(double slope, double excess, uint32_t n)
 
 static size_t place_of(const Evenness *evenness, uint32_t x, uint32_t y)
 {
-    const uint32_t *area = evenness->area;
-    return (size_t)(y - area[1]) * (area[2] - area[0]) + (x - area[0]);
+    return (size_t)y * evenness->width + x;
 }
 
 double evenness_of_square(const Evenness *evenness, uint32_t x, uint32_t y, uint32_t n)
@@ -87,11 +86,10 @@ typedef struct Ladders {
 static void climb_row(void *context, uint32_t row, unsigned worker)
 {
     const Ladders *ladders = context;
-    const uint32_t *area = ladders->evenness->area;
     (void)worker;
     for (uint32_t x = 0; x < ladders->width; x++) {
         float ladder[FILM_LADDER];
-        film_ladder(film_pixel(ladders->film, area[0] + x, area[1] + row), ladder);
+        film_ladder(film_pixel(ladders->film, x, row), ladder);
         for (int rung = 0; rung < FILM_LADDER; rung++)
             ladders->rungs[rung][(size_t)row * ladders->width + x] = ladder[rung];
     }
@@ -117,10 +115,10 @@ static void add_rung_to_row(void *context, uint32_t row, unsigned worker)
     }
 }
 
-Status evenness_init(Evenness *evenness, const Film *film, const uint32_t area[4], Pool *pool, Error *error)
+Status evenness_init(Evenness *evenness, const Film *film, Pool *pool, Error *error)
 {
-    *evenness = (Evenness){.area = {area[0], area[1], area[2], area[3]}};
-    uint32_t width = area[2] - area[0], height = area[3] - area[1];
+    const uint32_t width = film->width, height = film->height;
+    *evenness = (Evenness){.width = width};
     size_t n = (size_t)width * height;
     float *maps = malloc((FILM_LADDER + 2) * n * sizeof *maps), *scratch = maps + FILM_LADDER * n;
     evenness->slope = calloc(n, sizeof *evenness->slope);

@@ -21,19 +21,18 @@
 #include "render/film.h"
 
 typedef struct Evenness {
-    uint32_t area[4];
-    /* For each pixel of the area, by rows: base-2 logarithm of the factor by which |differences| around it change with twice
+    uint32_t width;
+    /* For each pixel of the film, by rows: base-2 logarithm of the factor by which |differences| around it change with twice
      * as many samples; of independent ones -1/2. */
     float *slope;
     float *excess; /* logarithm of the factor of the last |difference| over those before and behind, which alternate */
 } Evenness;
 
-/* For the pixels from x0, y0 up to but without x1, y1. pool: NULL, or who shares the work. STATUS_NOMEM. */
-ATTR_NODISCARD Status evenness_init(Evenness *evenness, const Film *film, const uint32_t area[4], Pool *pool,
-                                    Error *error);
+/* pool: NULL, or who shares the work. STATUS_NOMEM. */
+ATTR_NODISCARD Status evenness_init(Evenness *evenness, const Film *film, Pool *pool, Error *error);
 void evenness_clear(Evenness *evenness);
 /* What film_spread is to be multiplied by, of n samples, n > 1: for mean errors, and for mean squares, whose root it is, and
- * which few bright samples do not make too small. x, y: within the area. */
+ * which few bright samples do not make too small. */
 double evenness_of_error(const Evenness *evenness, uint32_t x, uint32_t y, uint32_t n);
 double evenness_of_square(const Evenness *evenness, uint32_t x, uint32_t y, uint32_t n);
 /* The same of a slope, up to -1/2, and an excess alone. */

@@ -43,25 +43,25 @@ void film_clear(Film *film)
     *film = (Film){0};
 }
 
-void film_forget_row(Film *film, uint32_t x0, uint32_t x1, uint32_t y)
+void film_forget_row(Film *film, uint32_t y)
 {
-    size_t begin = (size_t)y * film->width + x0;
-    memset(&film->pixels[begin], 0, (x1 - x0) * sizeof *film->pixels);
-    if (film->caught) memset(&film->caught[begin], 0, (x1 - x0) * sizeof *film->caught);
+    const size_t begin = (size_t)y * film->width;
+    memset(&film->pixels[begin], 0, film->width * sizeof *film->pixels);
+    if (film->caught) memset(&film->caught[begin], 0, film->width * sizeof *film->caught);
 }
 
-void film_count_samples(const Film *film, const uint32_t crop[4], uint32_t *least, uint32_t *most, uint64_t *sum)
+void film_count_samples(const Film *film, uint32_t *least, uint32_t *most, uint64_t *sum)
 {
+    const size_t n_pixels = (size_t)film->width * film->height;
     *least = UINT32_MAX;
     *most = 0;
     *sum = 0;
-    for (uint32_t y = crop[1]; y < crop[3]; y++)
-        for (uint32_t x = crop[0]; x < crop[2]; x++) {
-            uint32_t n = film_pixel(film, x, y)->n;
-            if (n < *least) *least = n;
-            if (n > *most) *most = n;
-            *sum += n;
-        }
+    for (size_t i = 0; i < n_pixels; i++) {
+        const uint32_t n = film->pixels[i].n;
+        if (n < *least) *least = n;
+        if (n > *most) *most = n;
+        *sum += n;
+    }
 }
 
 static double held(double value, double largest, bool *saturated)
@@ -209,11 +209,11 @@ void film_squared_errors(const Film *film, uint32_t x, uint32_t y, float squared
 _Static_assert(sizeof(FilmPixel) == 8 * (11 + FILM_LADDER) + 8, "the pixels of a film as bytes");
 _Static_assert(sizeof(FilmCaught) == 8 * 7, "what is caught as bytes");
 
-void film_save_row(const Film *film, uint32_t x0, uint32_t x1, uint32_t y, Buf *out)
+void film_save_row(const Film *film, uint32_t y, Buf *out)
 {
-    buf_add_bytes(out, (const char *)film_pixel(film, x0, y), (x1 - x0) * sizeof(FilmPixel));
-    if (film->caught)
-        buf_add_bytes(out, (const char *)&film->caught[(size_t)y * film->width + x0], (x1 - x0) * sizeof(FilmCaught));
+    const size_t begin = (size_t)y * film->width;
+    buf_add_bytes(out, (const char *)&film->pixels[begin], film->width * sizeof(FilmPixel));
+    if (film->caught) buf_add_bytes(out, (const char *)&film->caught[begin], film->width * sizeof(FilmCaught));
 }
 
 static bool is_within(int64_t sum, double largest)
@@ -240,15 +240,15 @@ static bool can_be_caught(const FilmCaught *caught, uint32_t n)
     return good;
 }
 
-bool film_load_row(Film *film, uint32_t x0, uint32_t x1, uint32_t y, BufReader *in)
+bool film_load_row(Film *film, uint32_t y, BufReader *in)
 {
     FilmPixel *row = &film->pixels[(size_t)y * film->width];
-    bool good = buf_take(in, row + x0, (x1 - x0) * sizeof *row);
-    for (uint32_t x = x0; good && x < x1; x++) good = can_be(&row[x]);
+    bool good = buf_take(in, row, film->width * sizeof *row);
+    for (uint32_t x = 0; good && x < film->width; x++) good = can_be(&row[x]);
     if (!good || !film->caught) return good;
     FilmCaught *caught = &film->caught[(size_t)y * film->width];
-    good = buf_take(in, caught + x0, (x1 - x0) * sizeof *caught);
-    for (uint32_t x = x0; good && x < x1; x++) good = can_be_caught(&caught[x], row[x].n);
+    good = buf_take(in, caught, film->width * sizeof *caught);
+    for (uint32_t x = 0; good && x < film->width; x++) good = can_be_caught(&caught[x], row[x].n);
     return good;
 }
 

@@ -36,6 +36,7 @@ typedef struct FilmCaught {
     int64_t lit[3], bare[3], part;
 } FilmCaught;
 
+/* Of the pixels that are rendered: where they are but a part of a frame, places are counted from the first of them. */
 typedef struct Film {
     uint32_t width, height;
     uint32_t first_sample; /* of each pixel: 0, but for slices of a render */
@@ -53,10 +54,10 @@ ATTR_NODISCARD Status film_init(Film *film, uint32_t width, uint32_t height, Err
 /* Makes room for what is caught. STATUS_NOMEM. */
 ATTR_NODISCARD Status film_catch(Film *film, Error *error);
 void film_clear(Film *film);
-/* Takes all samples away from the pixels of a row from column x0 up to but without x1. */
-void film_forget_row(Film *film, uint32_t x0, uint32_t x1, uint32_t y);
-/* How many samples the pixels of a crop have: the least, the most, and all together. */
-void film_count_samples(const Film *film, const uint32_t crop[4], uint32_t *least, uint32_t *most, uint64_t *sum);
+/* Takes all samples away from the pixels of a row. */
+void film_forget_row(Film *film, uint32_t y);
+/* How many samples pixels have: the least, the most, and all together. */
+void film_count_samples(const Film *film, uint32_t *least, uint32_t *most, uint64_t *sum);
 /* One sample, of a pixel in their order. Returns whether the sample, or the sum, was brighter than the film can hold (it is then
  * held at its limit). */
 bool film_add(Film *film, uint32_t x, uint32_t y, const float rgb[3], float alpha);
@@ -80,10 +81,9 @@ uint32_t film_first_part(uint32_t n);
 /* Roots of |differences| of the means of the first 2^k samples and of the next 2^k, for the largest 2^k of which there are
  * both, and for smaller ones; 0 with too few samples. */
 void film_ladder(const FilmPixel *pixel, float ladder[FILM_LADDER]);
-/* Rows of films as bytes: the pixels from column x0 up to but without x1. What was loaded is checked: false where it cannot be
- * of samples. */
-void film_save_row(const Film *film, uint32_t x0, uint32_t x1, uint32_t y, Buf *out);
-bool film_load_row(Film *film, uint32_t x0, uint32_t x1, uint32_t y, BufReader *in);
+/* Rows of films as bytes. What was loaded is checked: false where it cannot be of samples. */
+void film_save_row(const Film *film, uint32_t y, Buf *out);
+bool film_load_row(Film *film, uint32_t y, BufReader *in);
 /* Adds the samples that come right behind a pixel's own, as if they had been added one by one. from: the number of the first of
  * them in the whole render; they are one or more. */
 void film_join(FilmPixel *pixel, const FilmPixel *next, uint32_t from);

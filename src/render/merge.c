@@ -10,6 +10,13 @@ static int compare_parts(const void *left, const void *right)
     return a->first_sample < b->first_sample ? -1 : a->first_sample > b->first_sample;
 }
 
+/* As the facts say, too, unless a file is damaged: then rows would not fit. */
+static bool is_same_part(const Checkpoint *a, const Checkpoint *b)
+{
+    return a->film_width == b->film_width && a->film_height == b->film_height && a->place.x == b->place.x &&
+           a->place.y == b->place.y;
+}
+
 static Status check_part(const Checkpoint *first, const Checkpoint *part, Error *error)
 {
     const CheckpointNotes *notes = &part->notes, *others = &first->notes;
@@ -19,6 +26,7 @@ static Status check_part(const Checkpoint *first, const Checkpoint *part, Error 
     if (notes->samples != others->samples)
         buf_format(&text, "%ssamples of the whole: %u in %s, %u in %s", text.length ? "; " : "", others->samples,
                    first->path, notes->samples, part->path);
+    if (!is_same_part(first, part)) buf_format(&text, "%swhich pixels they hold", text.length ? "; " : "");
     if (text.failed) return fail_memory(error, text.capacity, "what differs");
     Status status = STATUS_OK;
     if (text.length)
@@ -89,17 +97,17 @@ bool merge_find_gap(const Merge *merge, uint32_t *first, uint32_t *end)
 /* One row of the part has room in `row`. */
 static Status join_rows(Checkpoint *part, RenderState *row, RenderState *state, Error *error)
 {
-    uint32_t x0 = state->crop[0], x1 = state->crop[2];
-    for (uint32_t y = state->crop[1]; y < state->crop[3]; y++) {
+    const uint32_t width = state->film.width;
+    for (uint32_t y = 0; y < state->film.height; y++) {
         TRY(checkpoint_read_row(part, row, 0, error));
-        for (uint32_t x = x0; x < x1; x++) {
-            size_t pixel = (size_t)y * state->film.width + x;
+        for (uint32_t x = 0; x < width; x++) {
+            size_t pixel = (size_t)y * width + x;
             film_join(&state->film.pixels[pixel], film_pixel(&row->film, x, 0), part->notes.first_sample);
             if (state->film.caught && row->film.caught)
                 film_join_caught(&state->film.caught[pixel], &row->film.caught[x]);
         }
-        if (!bright_film_join_row(&state->bright, x0, x1, y, &row->bright, 0) ||
-            !aov_film_join_row(&state->aovs, x0, x1, y, &row->aovs, 0))
+        if (!bright_film_join_row(&state->bright, y, &row->bright, 0) ||
+            !aov_film_join_row(&state->aovs, y, &row->aovs, 0))
             return fail(error, STATUS_NOMEM, "out of memory for merging '%s'", part->path);
     }
     return STATUS_OK;

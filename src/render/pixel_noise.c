@@ -18,42 +18,22 @@ enum { FEWEST_TO_ASK = 100 };
  * those of pixels that touch; the square of the variance; and what is needed on the way. */
 enum { VARIANCE, EVENNESS, JUMP, SQUARE, OWN, SCRATCH, MAPS };
 
-/* Of the pixels that are rendered: what is beyond a crop is no neighbour. */
 typedef struct Noise {
     const Film *film;
     const Evenness *evenness;
-    uint32_t area[4], width, height; /* x0, y0, x1, y1 */
+    uint32_t width, height;
     size_t n;
     float *maps[MAPS];
     float *errors; /* of the film's pixels */
     Pool *pool;
 } Noise;
 
-/* false: no pixel has two samples */
-static bool find_area(Noise *noise, const Film *film)
+static bool has_two_samples(const Film *film)
 {
-    *noise = (Noise){.film = film, .area = {film->width, film->height, 0, 0}};
-    bool any = false;
-    for (uint32_t y = 0; y < film->height; y++)
-        for (uint32_t x = 0; x < film->width; x++) {
-            uint32_t n = film_pixel(film, x, y)->n;
-            if (n == 0) continue;
-            any = any || n > 1;
-            if (x < noise->area[0]) noise->area[0] = x;
-            if (y < noise->area[1]) noise->area[1] = y;
-            if (x >= noise->area[2]) noise->area[2] = x + 1;
-            noise->area[3] = y + 1;
-        }
-    if (!any) return false;
-    noise->width = noise->area[2] - noise->area[0];
-    noise->height = noise->area[3] - noise->area[1];
-    noise->n = (size_t)noise->width * noise->height;
-    return true;
-}
-
-static const FilmPixel *pixel_of(const Noise *noise, uint32_t x, uint32_t y)
-{
-    return film_pixel(noise->film, noise->area[0] + x, noise->area[1] + y);
+    uint32_t least, most;
+    uint64_t sum;
+    film_count_samples(film, &least, &most, &sum);
+    return most > 1;
 }
 
 static void ask_around(Noise *noise, int of, uint32_t radius, int answer)
@@ -62,7 +42,7 @@ static void ask_around(Noise *noise, int of, uint32_t radius, int answer)
                 noise->pool);
 }
 
-/* What is done for each row of the area. */
+/* What is done for each row. */
 typedef void Row(void *noise, uint32_t y, unsigned worker);
 static void for_rows(Noise *noise, Row *row)
 {
@@ -75,13 +55,11 @@ static void read_row(void *context, uint32_t y, unsigned worker)
     (void)worker;
     size_t i = (size_t)y * noise->width;
     for (uint32_t x = 0; x < noise->width; x++, i++) {
-        const FilmPixel *pixel = pixel_of(noise, x, y);
+        const FilmPixel *pixel = film_pixel(noise->film, x, y);
         double mean, of_samples, half = 0;
         film_luminance(pixel, &mean, &of_samples);
         noise->maps[VARIANCE][i] = of_samples > 0 ? (float)(of_samples * of_samples * pixel->n) : 0;
-        if (of_samples > 0)
-            half = film_spread(pixel) *
-                   evenness_of_square(noise->evenness, noise->area[0] + x, noise->area[1] + y, pixel->n);
+        if (of_samples > 0) half = film_spread(pixel) * evenness_of_square(noise->evenness, x, y, pixel->n);
         noise->maps[OWN][i] = (float)(half * half);
     }
 }
@@ -108,16 +86,12 @@ static void ask_samples(Noise *noise)
 /* What has left a pixel with the samples that it gave away, and what came. */
 static void move_variance(Noise *noise, const Spread *spread)
 {
-    size_t from = 0;
-    for (uint32_t y = spread->area[1]; y < spread->area[3]; y++)
-        for (uint32_t x = spread->area[0]; x < spread->area[2]; x++) {
-            const SpreadPixel *moved = &spread->pixels[from++];
-            if (x < noise->area[0] || x >= noise->area[2] || y < noise->area[1] || y >= noise->area[3]) continue;
-            float *variance =
-                &noise->maps[VARIANCE][(size_t)(y - noise->area[1]) * noise->width + (x - noise->area[0])];
-            double left = (double)*variance * fmax(1 - moved->taken, 0);
-            *variance = (float)(left + moved->given * film_pixel(noise->film, x, y)->n);
-        }
+    for (size_t i = 0; i < noise->n; i++) {
+        const SpreadPixel *moved = &spread->pixels[i];
+        float *variance = &noise->maps[VARIANCE][i];
+        double left = (double)*variance * fmax(1 - moved->taken, 0);
+        *variance = (float)(left + moved->given * noise->film->pixels[i].n);
+    }
 }
 
 static float jump_at(const float *map, uint32_t width, uint32_t height, uint32_t x, uint32_t y)
@@ -181,21 +155,24 @@ static void state_row(void *context, uint32_t y, unsigned worker)
     size_t i = (size_t)y * noise->width;
     for (uint32_t x = 0; x < noise->width; x++, i++) {
         float square = noise->maps[VARIANCE][i] * noise->maps[EVENNESS][i];
-        const FilmPixel *pixel = pixel_of(noise, x, y);
-        if (pixel->n > 1) noise->errors[pixel - noise->film->pixels] = sqrtf(fmaxf(square, 0) / (float)pixel->n);
+        const FilmPixel *pixel = film_pixel(noise->film, x, y);
+        if (pixel->n > 1) noise->errors[i] = sqrtf(fmaxf(square, 0) / (float)pixel->n);
     }
 }
 
 Status pixel_noise(const Film *film, const Spread *spread, Pool *pool, float *errors, Error *error)
 {
-    Noise noise;
     Evenness evenness;
-    memset(errors, 0, (size_t)film->width * film->height * sizeof *errors);
-    if (!find_area(&noise, film)) return STATUS_OK;
-    noise.errors = errors;
-    noise.pool = pool;
-    TRY(evenness_init(&evenness, film, noise.area, pool, error));
-    noise.evenness = &evenness;
+    Noise noise = {.film = film,
+                   .evenness = &evenness,
+                   .width = film->width,
+                   .height = film->height,
+                   .n = (size_t)film->width * film->height,
+                   .errors = errors,
+                   .pool = pool};
+    memset(errors, 0, noise.n * sizeof *errors);
+    if (!has_two_samples(film)) return STATUS_OK;
+    TRY(evenness_init(&evenness, film, pool, error));
     float *maps = malloc(MAPS * noise.n * sizeof *maps);
     if (maps) {
         for (int i = 0; i < MAPS; i++) noise.maps[i] = maps + (size_t)i * noise.n;

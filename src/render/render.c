@@ -59,8 +59,8 @@ typedef struct Job {
     uint32_t done;                            /* and how many every pixel has by now */
     uint32_t most;                            /* that a pixel had before this render */
     bool even;                                /* all pixels have as many as every one */
-    uint64_t n_pixels, samples, pass_samples; /* of the crop; what they have together, and what the pass adds */
-    const uint32_t *wanted;                   /* what each pixel of the crop is to have; NULL: done + n, all of them */
+    uint64_t n_pixels, samples, pass_samples; /* of the film; what they have together, and what the pass adds */
+    const uint32_t *wanted;                   /* what each pixel is to have; NULL: done + n, all of them */
     uint32_t step;    /* not 0: the first sample of every step-th pixel each way, where it has none */
     bool has_lattice; /* such a pass is done, and its samples stay */
     AdaptPlan plan;
@@ -171,7 +171,7 @@ static void judge_noise(Job *job)
 {
     double now = clock_now_s();
     if (!job->events || !job->events->progress || now - job->noise_at < job->noise_cost / noise_share) return;
-    job->noise = adapt_noise(&job->state->film, NULL, job->state->crop, job->settings->exposure, job->pool);
+    job->noise = adapt_noise(&job->state->film, NULL, job->settings->exposure, job->pool);
     job->noise_at = clock_now_s();
     job->noise_cost = job->noise_at - now;
 }
@@ -189,7 +189,7 @@ static void show_picture(Job *job, uint32_t step)
     Error unused;
     if (!shows_picture(job)) return;
     double now = clock_now_s();
-    if (early_resolve(&job->state->film, job->state->crop, step, &image, &unused) != STATUS_OK) return;
+    if (early_resolve(&job->state->film, step, &image, &unused) != STATUS_OK) return;
     job->events->picture(job->events->context, &image);
     image_clear(&image);
     job->picture_at = clock_now_s();
@@ -237,7 +237,8 @@ static bool render_sample(Job *job, unsigned worker, uint32_t x, uint32_t y, uin
     uint64_t rays = tracer->counters.rays;
     if (tracer->notes_sight) before = tracer->counters;
     tracer->notes_behind = aov_film_needs_behind(&job->state->aovs, index);
-    const FilmSample sample = {x, y, settings->width, settings->height, settings->seed, index};
+    const ImagePlace *place = &job->state->place;
+    const FilmSample sample = {place->x + x, place->y + y, settings->width, settings->height, settings->seed, index};
     trace_sample(tracer, &sample, rgb, &alpha);
     if (tracer->notes_sight) aov_film_add(&job->state->aovs, x, y, tracer, &before);
     bool saturated = film_add(&job->state->film, x, y, rgb, alpha);
@@ -250,11 +251,10 @@ static bool render_sample(Job *job, unsigned worker, uint32_t x, uint32_t y, uin
 /* The samples that a pixel gets in this pass. */
 static uint32_t pass_of_pixel(const Job *job, uint32_t x, uint32_t y)
 {
-    const uint32_t *crop = job->state->crop;
-    uint32_t n = film_pixel(&job->state->film, x, y)->n;
-    if (job->step) return (x - crop[0]) % job->step == 0 && (y - crop[1]) % job->step == 0 && n == 0;
-    uint32_t wanted =
-        job->wanted ? job->wanted[(size_t)(y - crop[1]) * (crop[2] - crop[0]) + (x - crop[0])] : job->done + job->n;
+    const Film *film = &job->state->film;
+    uint32_t n = film_pixel(film, x, y)->n;
+    if (job->step) return x % job->step == 0 && y % job->step == 0 && n == 0;
+    uint32_t wanted = job->wanted ? job->wanted[(size_t)y * film->width + x] : job->done + job->n;
     uint32_t left = wanted > n ? wanted - n : 0;
     return left < job->n || !job->wanted ? left : job->n;
 }
@@ -262,16 +262,16 @@ static uint32_t pass_of_pixel(const Job *job, uint32_t x, uint32_t y)
 static void render_tile(void *context, uint32_t index, unsigned worker)
 {
     Job *job = context;
-    const uint32_t *crop = job->state->crop;
+    const Film *film = &job->state->film;
     if (worker == 0 && save_is_due(job)) atomic_store(&job->pause, true);
     if (asked_to_stop(job)) return;
-    uint32_t x0 = crop[0] + index % job->tiles_x * TILE, y0 = crop[1] + index / job->tiles_x * TILE;
-    uint32_t x1 = x0 + TILE < crop[2] ? x0 + TILE : crop[2], y1 = y0 + TILE < crop[3] ? y0 + TILE : crop[3];
+    uint32_t x0 = index % job->tiles_x * TILE, y0 = index / job->tiles_x * TILE;
+    uint32_t x1 = x0 + TILE < film->width ? x0 + TILE : film->width,
+             y1 = y0 + TILE < film->height ? y0 + TILE : film->height;
     for (uint32_t y = y0; y < y1; y++)
         for (uint32_t x = x0; x < x1; x++) {
             if (is_stopped(job) || atomic_load_explicit(&job->pause, memory_order_relaxed)) return;
-            uint32_t n = pass_of_pixel(job, x, y),
-                     first = job->state->film.first_sample + film_pixel(&job->state->film, x, y)->n;
+            uint32_t n = pass_of_pixel(job, x, y), first = film->first_sample + film_pixel(film, x, y)->n;
             uint32_t saturated = 0;
             for (uint32_t i = 0; i < n; i++) saturated += render_sample(job, worker, x, y, first + i);
             if (UNLIKELY(saturated)) job->saturated[worker] += saturated;
@@ -326,13 +326,13 @@ static void run_tiles(Job *job)
 /* One pass over all tiles, unless it is stopped. */
 static Status run_pass(Job *job, uint32_t n, bool *stopped, Error *error)
 {
-    const uint32_t *crop = job->state->crop;
+    const Film *film = &job->state->film;
     uint32_t n_tiles = job->tiles_x * job->tiles_y;
     job->n = n;
     bool same = !job->wanted && !job->step && job->even;
     job->pass_samples = same ? job->n_pixels * n : 0;
-    for (uint32_t y = crop[1]; !same && y < crop[3]; y++)
-        for (uint32_t x = crop[0]; x < crop[2]; x++) job->pass_samples += pass_of_pixel(job, x, y);
+    for (uint32_t y = 0; !same && y < film->height; y++)
+        for (uint32_t x = 0; x < film->width; x++) job->pass_samples += pass_of_pixel(job, x, y);
     run_tiles(job);
     for (unsigned i = 0; i < job->n_threads; i++)
         if (job->tracers[i].out_of_memory) return fail(error, STATUS_NOMEM, "out of memory while rendering");
@@ -397,13 +397,10 @@ static Status run_uniform(Job *job, uint32_t samples, bool *stopped, Error *erro
 /* The most samples that a pixel lacks of those it is wanted to have. */
 static uint32_t most_wanted(const Job *job, const uint32_t *wanted)
 {
-    const uint32_t *crop = job->state->crop;
+    const FilmPixel *pixels = job->state->film.pixels;
     uint32_t most = 0;
-    for (uint32_t y = crop[1]; y < crop[3]; y++)
-        for (uint32_t x = crop[0]; x < crop[2]; x++, wanted++) {
-            uint32_t n = film_pixel(&job->state->film, x, y)->n;
-            if (*wanted > n && *wanted - n > most) most = *wanted - n;
-        }
+    for (uint64_t i = 0; i < job->n_pixels; i++)
+        if (wanted[i] > pixels[i].n && wanted[i] - pixels[i].n > most) most = wanted[i] - pixels[i].n;
     return most;
 }
 
@@ -447,7 +444,7 @@ static Status adapt_pixels(Job *job, bool *stopped, Error *error)
 {
     Adapt adapt;
     RenderState *state = job->state;
-    TRY(adapt_init(&adapt, state->crop, job->settings->exposure, error));
+    TRY(adapt_init(&adapt, &state->film, job->settings->exposure, error));
     if (state->wanted) {
         free(adapt.wanted);
         adapt.wanted = state->wanted;
@@ -489,10 +486,10 @@ static Status run_passes(Job *job, bool *stopped, Error *error)
 /* How many samples the pixels have. */
 static void count_samples(const RenderState *state, RenderStats *stats)
 {
-    const uint32_t *crop = state->crop;
+    const Film *film = &state->film;
     uint64_t sum;
-    film_count_samples(&state->film, crop, &stats->samples, &stats->most_samples, &sum);
-    stats->mean_samples = (double)sum / ((double)(crop[2] - crop[0]) * (crop[3] - crop[1]));
+    film_count_samples(film, &stats->samples, &stats->most_samples, &sum);
+    stats->mean_samples = (double)sum / ((double)film->width * film->height);
 }
 
 /* What was there before this render. */
@@ -508,13 +505,12 @@ static void count_before(Job *job)
     job->first_samples = job->samples = (uint64_t)(stats.mean_samples * (double)job->n_pixels + 0.5);
 }
 
-static void forget_row(void *context, uint32_t index, unsigned worker)
+static void forget_row(void *context, uint32_t y, unsigned worker)
 {
     (void)worker;
     RenderState *state = ((Job *)context)->state;
-    const uint32_t *crop = state->crop;
-    film_forget_row(&state->film, crop[0], crop[2], crop[1] + index);
-    bright_film_forget_row(&state->bright, crop[0], crop[2], crop[1] + index);
+    film_forget_row(&state->film, y);
+    bright_film_forget_row(&state->bright, y);
 }
 
 static Status aovs_init(RenderState *state, const RenderSettings *settings, const World *world, Error *error)
@@ -523,14 +519,26 @@ static Status aovs_init(RenderState *state, const RenderSettings *settings, cons
                          aov_film_unit(world), state->film.width, state->film.height, error);
 }
 
+static Status choose_crop(const RenderSettings *settings, uint32_t crop[4], Error *error)
+{
+    bool cropped = settings->crop[0] || settings->crop[1] || settings->crop[2] || settings->crop[3];
+    uint32_t frame[4] = {0, 0, settings->width, settings->height};
+    memcpy(crop, cropped ? settings->crop : frame, sizeof frame);
+    if (crop[0] < crop[2] && crop[1] < crop[3] && crop[2] <= settings->width && crop[3] <= settings->height)
+        return STATUS_OK;
+    return fail(error, STATUS_USAGE, "the crop %u,%u,%u,%u is not inside the picture of %u x %u", crop[0], crop[1],
+                crop[2], crop[3], settings->width, settings->height);
+}
+
 /* What this render's samples come to; nothing so far. */
 static Status state_init(RenderState *state, const RenderSettings *settings, const World *world, Error *error)
 {
-    uint32_t width = settings->width, height = settings->height;
-    const uint32_t *crop = state->crop;
-    /* the film takes memory only where it is touched; all of what is rendered is */
-    double needed = (double)(crop[2] - crop[0]) * (crop[3] - crop[1]) * sizeof(FilmPixel),
-           machine = memory_of_machine();
+    uint32_t crop[4];
+    TRY(choose_crop(settings, crop, error));
+    const uint32_t width = crop[2] - crop[0], height = crop[3] - crop[1];
+    /* memory that is not there is promised all the same */
+    double needed = (double)width * height * sizeof(FilmPixel), machine = memory_of_machine();
+    state->place = (ImagePlace){.x = crop[0], .y = crop[1], .width = settings->width, .height = settings->height};
     if (machine > 0 && needed > machine) return fail_memory(error, (size_t)needed, "the film");
     TRY(film_init(&state->film, width, height, error));
     state->film.first_sample = settings->first_sample;
@@ -554,7 +562,7 @@ bool render_state_is_empty(const RenderState *state)
     uint32_t least, most;
     uint64_t sum;
     if (!state->film.pixels) return true;
-    film_count_samples(&state->film, state->crop, &least, &most, &sum);
+    film_count_samples(&state->film, &least, &most, &sum);
     return most == 0;
 }
 
@@ -563,37 +571,24 @@ bool render_state_is_worth_keeping(const RenderState *state)
     return !render_state_is_empty(state) || (state->film.pixels && guide_search_is_begun(state->search));
 }
 
-static Status choose_crop(const RenderSettings *settings, uint32_t crop[4], Error *error)
-{
-    bool cropped = settings->crop[0] || settings->crop[1] || settings->crop[2] || settings->crop[3];
-    uint32_t frame[4] = {0, 0, settings->width, settings->height};
-    memcpy(crop, cropped ? settings->crop : frame, sizeof frame);
-    if (crop[0] < crop[2] && crop[1] < crop[3] && crop[2] <= settings->width && crop[3] <= settings->height)
-        return STATUS_OK;
-    return fail(error, STATUS_USAGE, "the crop %u,%u,%u,%u is not inside the picture of %u x %u", crop[0], crop[1],
-                crop[2], crop[3], settings->width, settings->height);
-}
-
 static Status job_init(Job *job, Error *error)
 {
     const RenderSettings *settings = job->settings;
-    uint32_t *crop = job->state->crop;
-    TRY(choose_crop(settings, crop, error));
+    Film *film = &job->state->film;
+    const bool is_new = !film->pixels;
+    if (is_new) TRY(state_init(job->state, settings, job->world, error));
     job->wish = (settings->end_sample ? settings->end_sample : settings->samples) - settings->first_sample;
-    job->tiles_x = (crop[2] - crop[0] + TILE - 1) / TILE;
-    job->tiles_y = (crop[3] - crop[1] + TILE - 1) / TILE;
-    job->n_pixels = (uint64_t)(crop[2] - crop[0]) * (crop[3] - crop[1]);
+    job->tiles_x = (film->width + TILE - 1) / TILE;
+    job->tiles_y = (film->height + TILE - 1) / TILE;
+    job->n_pixels = (uint64_t)film->width * film->height;
     job->noise = -1;
     job->tracers = tracers_new(job->world, job->n_threads);
     job->saturated = calloc(job->n_threads, sizeof *job->saturated);
     job->tile_done = calloc((size_t)job->tiles_x * job->tiles_y, sizeof *job->tile_done);
     if (!job->tracers || !job->saturated || !job->tile_done)
         return fail_memory(error, job->n_threads * sizeof *job->tracers, "threads");
-    if (!job->state->film.pixels) {
-        TRY(state_init(job->state, settings, job->world, error));
-        /* memory that is read before it is written is mapped twice, and the second time interrupts all threads */
-        pool_run(job->pool, crop[3] - crop[1], forget_row, job);
-    }
+    /* memory that is read before it is written is mapped twice, and the second time interrupts all threads */
+    if (is_new) pool_run(job->pool, film->height, forget_row, job);
     job->state->aovs.world = job->world;
     count_before(job);
     for (unsigned i = 0; i < job->n_threads; i++) {
@@ -608,7 +603,7 @@ static Status job_init(Job *job, Error *error)
 static Status forget_samples(Job *job, Error *error)
 {
     RenderState *state = job->state;
-    pool_run(job->pool, state->crop[3] - state->crop[1], forget_row, job);
+    pool_run(job->pool, state->film.height, forget_row, job);
     aov_film_clear(&state->aovs);
     free(state->wanted);
     state->wanted = NULL;
@@ -714,7 +709,7 @@ static Status find_spread(const RenderState *state, Pool *pool, Spread *spread, 
     count_samples(state, stats);
     if (state->bright.out_of_memory) return fail(error, STATUS_NOMEM, "out of memory for the brightest samples");
     if (!state->bright.pixels || stats->most_samples < SPREAD_LEAST_SAMPLES) return STATUS_OK;
-    return spread_init(spread, &state->film, &state->bright, state->crop, pool, error);
+    return spread_init(spread, &state->film, &state->bright, pool, error);
 }
 
 /* With the same means for what catchers caught, the first channels of `carried` if there are any, and for layers of lights. */
@@ -725,8 +720,7 @@ static Status denoise_all(const RenderState *state, const LightLayers *layers, P
     char names[DENOISE_MOST_CARRIED][16];
     const char *pointers[DENOISE_MOST_CARRIED];
     Image carried;
-    if (!layers->n)
-        return denoise(&state->film, &state->aovs, state->crop, pool, image, n_caught ? caught : NULL, error);
+    if (!layers->n) return denoise(&state->film, &state->aovs, pool, image, n_caught ? caught : NULL, error);
     for (uint32_t i = 0; i < n_caught + n_layers; i++) {
         snprintf(names[i], sizeof names[i], "carried %u", (unsigned)i);
         pointers[i] = names[i];
@@ -734,7 +728,7 @@ static Status denoise_all(const RenderState *state, const LightLayers *layers, P
     TRY(image_new(image->width, image->height, pointers, n_caught + n_layers, &carried, error));
     image_copy_channels(caught, 0, n_caught, &carried, 0);
     image_copy_channels(image, layers->first, n_layers, &carried, n_caught);
-    Status status = denoise(&state->film, &state->aovs, state->crop, pool, image, &carried, error);
+    Status status = denoise(&state->film, &state->aovs, pool, image, &carried, error);
     if (n_caught) image_copy_channels(&carried, 0, n_caught, caught, 0);
     image_copy_channels(&carried, n_caught, n_layers, image, layers->first);
     image_clear(&carried);
@@ -745,7 +739,7 @@ static Status denoise_all(const RenderState *state, const LightLayers *layers, P
 static Status finish(const RenderState *state, bool complete, Pool *pool, Image *image, Error *error)
 {
     const Film *film = &state->film;
-    uint32_t step = complete ? 1 : early_step(film, state->crop);
+    uint32_t step = complete ? 1 : early_step(film);
     LightLayers layers = light_layers_of(image, &state->aovs.groups);
     Image caught = {0};
     light_layers_follow(&layers, image);
@@ -754,7 +748,7 @@ static Status finish(const RenderState *state, bool complete, Pool *pool, Image 
         status = denoise_all(state, &layers, pool, image, &caught, error);
     if (status == STATUS_OK && film->caught) caught_take_all(film, &caught, image);
     image_clear(&caught);
-    if (status == STATUS_OK && step > 1) early_fill(film, state->crop, step, image);
+    if (status == STATUS_OK && step > 1) early_fill(film, step, image);
     return status;
 }
 
@@ -775,7 +769,7 @@ static Status resolve(const RenderState *state, const Spread *spread, Exposure e
     stats->spread_samples = spread->samples;
     stats->spread_light = spread->light;
     stats->spread_one_colored = spread->one_colored;
-    stats->noise = adapt_noise(&state->film, moved, state->crop, exposure, pool);
+    stats->noise = adapt_noise(&state->film, moved, exposure, pool);
     TRY(aov_film_resolve(&state->aovs, &state->film, moved, pool, image, error));
     Status status = finish(state, stats->samples > 0, pool, image, error);
     if (status != STATUS_OK) image_clear(image);

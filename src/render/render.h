@@ -104,8 +104,8 @@ typedef struct RenderState {
     Film film;
     BrightFilm bright; /* without pixels: single bright samples stay where they are */
     AovFilm aovs;
-    uint32_t crop[4]; /* the pixels that are rendered, as in the settings, never all 0 */
-    uint32_t *wanted; /* of those by rows, as adapt.h has it, where it is being done; else NULL */
+    ImagePlace place; /* of the film in the frame */
+    uint32_t *wanted; /* of each pixel by rows, as adapt.h has it, where it is being done; else NULL */
     PathCounters counters;
     uint64_t saturated_samples;
     uint32_t guide_samples; /* of each pixel, that caustics were looked for for; 0: they were not, yet */
@@ -122,7 +122,7 @@ ATTR_NODISCARD Status render_state_resolve(const RenderState *state, Exposure ex
                                            RenderStats *stats, Error *error);
 
 /* Renders. *image gets channels R G B A, "noise.Y" (standard error of the luminance), and those of the AOVs, by
- * width x height (outside of a crop 0). Same bits for any number of threads. STATUS_RENDER, STATUS_NOMEM. */
+ * width x height, or of what is rendered of that. Same bits for any number of threads. STATUS_RENDER, STATUS_NOMEM. */
 ATTR_NODISCARD Status render_image(const CompiledScene *compiled, const RenderSettings *settings, Pool *pool,
                                    const RenderEvents *events, Image *image, RenderStats *stats, Error *error);
 /* The same, and *state is what it came to: {0} on entry, or a state of the same scene and settings (only the number of samples, the

@@ -82,42 +82,40 @@ static double light_of(const FilmPixel *pixel, const BrightPixel *without)
  * folded or a shadow ends, neighbours may have found by many samples what a pixel has found by one. */
 static double hole_at(const Maps *maps, uint32_t x, uint32_t y)
 {
-    const uint32_t *area = maps->area;
     float darkest[HOLE_RANK];
     uint32_t n = 0;
-    for (uint32_t v = y > area[1] ? y - 1 : y; v <= y + 1 && v < area[3]; v++)
-        for (uint32_t u = x > area[0] ? x - 1 : x; u <= x + 1 && u < area[2]; u++) {
-            float light = maps->looks.plain[place_in(area, u, v)];
+    for (uint32_t v = y > 0 ? y - 1 : y; v <= y + 1 && v < maps->height; v++)
+        for (uint32_t u = x > 0 ? x - 1 : x; u <= x + 1 && u < maps->width; u++) {
+            float light = maps->looks.plain[place_in(maps, u, v)];
             if ((u == x && v == y) || (n == HOLE_RANK && light >= darkest[n - 1])) continue;
             uint32_t k = n < HOLE_RANK ? n++ : HOLE_RANK - 1;
             for (; k > 0 && darkest[k - 1] > light; k--) darkest[k] = darkest[k - 1];
             darkest[k] = light;
         }
     if (n < HOLE_RANK) return 0;
-    return fmax((double)darkest[HOLE_RANK - 1] - (double)maps->looks.plain[place_in(area, x, y)], 0);
+    return fmax((double)darkest[HOLE_RANK - 1] - (double)maps->looks.plain[place_in(maps, x, y)], 0);
 }
 
 /* In murky water one sample in thirty comes to a dark bottom, and all others are scattered before: such pixels are not black ones
  * among white. So a pixel in which few say something has some of what those around it say, and what few say around it counts little. */
 static bool find_reflectances(const Maps *maps, float *scratch)
 {
-    const uint32_t *area = maps->area;
     const size_t n = (size_t)maps->width * maps->height;
     float *told = maps->looks.told, *sums = calloc(2 * n, sizeof *sums), *reflected = sums, *around = sums + n;
     if (!sums) return false;
-    for (uint32_t y = area[1]; y < area[3]; y++)
-        for (uint32_t x = area[0]; x < area[2]; x++) {
+    for (uint32_t y = 0; y < maps->height; y++)
+        for (uint32_t x = 0; x < maps->width; x++) {
             const BrightPixel *bright = bright_at(maps, x, y);
             const float n_samples = fmaxf((float)film_pixel(maps->film, x, y)->n, 1);
-            told[place_in(area, x, y)] = (float)bright->n_reflected / n_samples;
-            reflected[place_in(area, x, y)] = (float)bright->reflected / (BRIGHT_REFLECTED * n_samples);
+            told[place_in(maps, x, y)] = (float)bright->n_reflected / n_samples;
+            reflected[place_in(maps, x, y)] = (float)bright->reflected / (BRIGHT_REFLECTED * n_samples);
         }
     mean_around(told, maps->width, maps->height, AROUND, scratch, around, maps->pool);
     memcpy(told, around, n * sizeof *told);
     mean_around(reflected, maps->width, maps->height, AROUND, scratch, around, maps->pool);
-    for (uint32_t y = area[1]; y < area[3]; y++)
-        for (uint32_t x = area[0]; x < area[2]; x++) {
-            const size_t i = place_in(area, x, y);
+    for (uint32_t y = 0; y < maps->height; y++)
+        for (uint32_t x = 0; x < maps->width; x++) {
+            const size_t i = place_in(maps, x, y);
             const BrightPixel *bright = bright_at(maps, x, y);
             const float own = (float)bright->n_reflected, n_samples = (float)film_pixel(maps->film, x, y)->n;
             const float others = n_samples > own ? 1 - own / n_samples : 0; /* as many samples of those around */
@@ -134,10 +132,10 @@ static bool find_reflectances(const Maps *maps, float *scratch)
 static void look_at_row(void *context, uint32_t index, unsigned worker)
 {
     Maps *maps = context;
-    uint32_t y = maps->area[1] + index;
+    uint32_t y = index;
     (void)worker;
-    for (uint32_t x = maps->area[0]; x < maps->area[2]; x++) {
-        size_t i = place_in(maps->area, x, y);
+    for (uint32_t x = 0; x < maps->width; x++) {
+        size_t i = place_in(maps, x, y);
         Looks *looks = &maps->looks;
         const FilmPixel *pixel = film_pixel(maps->film, x, y);
         const BrightPixel *bright = bright_at(maps, x, y);
@@ -191,8 +189,7 @@ static void find_ways_of_row(void *context, uint32_t index, unsigned worker)
 {
     const Maps *maps = context;
     (void)worker;
-    for (uint32_t x = maps->area[0]; x < maps->area[2]; x++)
-        find_ways_of_pixel(maps, x, maps->area[1] + index, &maps->rows[index]);
+    for (uint32_t x = 0; x < maps->width; x++) find_ways_of_pixel(maps, x, index, &maps->rows[index]);
 }
 
 /* Of a sample, what goes: as part of its pixel's mean. */
@@ -224,14 +221,14 @@ static void settle_row(void *context, uint32_t index, unsigned worker)
     (void)worker;
     for (size_t i = 0; i < row->n; i++) {
         Way way = row->ways[i];
-        if (i == 0 || way.x != row->ways[i - 1].x) hole = hole_at(maps, way.x, maps->area[1] + index);
+        if (i == 0 || way.x != row->ways[i - 1].x) hole = hole_at(maps, way.x, index);
         way.part = way.radius > 0 ? fmin(way.part, 1 - fmin(hole / way.seen, 1)) : 0;
         hole = fmax(hole - (1 - way.part) * way.light, 0);
         row->ways[i].part = way.part;
         if (way.part == 0) continue;
         n++;
         double taken[3];
-        find_taken(maps, maps->area[1] + index, &way, taken);
+        find_taken(maps, index, &way, taken);
         for (int c = 0; c < 3; c++) row->taken[c] += taken[c];
         row->moved += way.part * way.light;
         int only = only_channel(taken);
@@ -250,7 +247,7 @@ static void go_way(const Maps *maps, uint32_t y, const Way *way, uint32_t y0, ui
     for (uint32_t v = square.y0 > y0 ? square.y0 : y0; v < square.y1 && v < y1; v++) {
         double weights[2 * SPREAD_FARTHEST + 1];
         Columns span = spread_weights_of_row(maps, &lone, way, v, weights);
-        SpreadPixel *to = &maps->pixels[place_in(maps->area, span.x0, v)];
+        SpreadPixel *to = &maps->pixels[place_in(maps, span.x0, v)];
         for (uint32_t i = 0; i < span.x1 - span.x0; i++, to++) {
             double part = weights[i] / way->weights;
             for (int c = 0; c < 3; c++) to->rgb[c] += part * lone.untinted[c];
@@ -268,10 +265,10 @@ static void gather_band(void *context, uint32_t index, unsigned worker)
     for (uint32_t y = y0 > SPREAD_FARTHEST ? y0 - SPREAD_FARTHEST : 0; y < y1 + SPREAD_FARTHEST && y < maps->height;
          y++) {
         const Row *row = &maps->rows[y];
-        uint32_t farthest = (uint32_t)row->farthest, top = maps->area[1];
+        uint32_t farthest = (uint32_t)row->farthest;
         if (y + farthest < y0 || y >= y1 + farthest) continue;
         for (size_t i = 0; i < row->n; i++)
-            if (row->ways[i].part > 0 && !row->ways[i].far) go_way(maps, top + y, &row->ways[i], top + y0, top + y1);
+            if (row->ways[i].part > 0 && !row->ways[i].far) go_way(maps, y, &row->ways[i], y0, y1);
     }
 }
 
@@ -279,11 +276,11 @@ static void gather_band(void *context, uint32_t index, unsigned worker)
 static void tint_row(void *context, uint32_t index, unsigned worker)
 {
     const Maps *maps = context;
-    uint32_t y = maps->area[1] + index;
+    uint32_t y = index;
     Row *row = &maps->rows[index];
     (void)worker;
-    for (uint32_t x = maps->area[0]; x < maps->area[2]; x++) {
-        SpreadPixel *pixel = &maps->pixels[place_in(maps->area, x, y)];
+    for (uint32_t x = 0; x < maps->width; x++) {
+        SpreadPixel *pixel = &maps->pixels[place_in(maps, x, y)];
         if (!(pixel->given > 0)) continue;
         double untinted = spread_squared_luminance(pixel->rgb);
         float tint[3];
@@ -299,7 +296,7 @@ static void tint_row(void *context, uint32_t index, unsigned worker)
 
 static void take(const Maps *maps, uint32_t y, const Way *way)
 {
-    SpreadPixel *from = &maps->pixels[place_in(maps->area, way->x, y)];
+    SpreadPixel *from = &maps->pixels[place_in(maps, way->x, y)];
     double rgb[3], mean, standard_error;
     find_taken(maps, y, way, rgb);
     for (int c = 0; c < 3; c++) from->rgb[c] -= rgb[c];
@@ -319,7 +316,7 @@ static void balance_row(void *context, uint32_t index, unsigned worker)
     for (uint32_t x = 0; x < maps->width; x++)
         for (int c = 0; c < 3; c++) pixels[x].rgb[c] += balance->missing[c] * fabs(pixels[x].rgb[c]);
     for (size_t i = 0; i < row->n; i++)
-        if (row->ways[i].part > 0) take(maps, maps->area[1] + index, &row->ways[i]);
+        if (row->ways[i].part > 0) take(maps, index, &row->ways[i]);
 }
 
 static void settle_colors(Maps *maps)
@@ -383,9 +380,9 @@ static void maps_clear(Maps *maps)
 static bool find_boxes(Maps *maps)
 {
     const Looks *looks = &maps->looks;
-    for (uint32_t y = maps->area[1]; y < maps->area[3]; y++)
-        for (uint32_t x = maps->area[0]; x < maps->area[2]; x++)
-            for (size_t i = place_in(maps->area, x, y), k = 0; k < BRIGHT_THINGS && looks->shares[k][i] > 0; k++)
+    for (uint32_t y = 0; y < maps->height; y++)
+        for (uint32_t x = 0; x < maps->width; x++)
+            for (size_t i = place_in(maps, x, y), k = 0; k < BRIGHT_THINGS && looks->shares[k][i] > 0; k++)
                 if (!thing_boxes_add(&maps->boxes, looks->things[k][i], x, y)) return false;
     return true;
 }
@@ -467,18 +464,15 @@ static bool go(Maps *maps, const FarSamples *far, Spread *spread)
     return true;
 }
 
-Status spread_init(Spread *spread, const Film *film, const BrightFilm *bright, const uint32_t area[4], Pool *pool,
-                   Error *error)
+Status spread_init(Spread *spread, const Film *film, const BrightFilm *bright, Pool *pool, Error *error)
 {
-    *spread = (Spread){.area = {area[0], area[1], area[2], area[3]}};
-    uint32_t width = area[2] - area[0], height = area[3] - area[1];
-    size_t n = (size_t)width * height;
+    *spread = (Spread){.width = film->width, .height = film->height};
+    size_t n = (size_t)film->width * film->height;
     spread->pixels = calloc(n, sizeof *spread->pixels);
     Maps maps = {.film = film,
                  .bright = bright,
-                 .area = area,
-                 .width = width,
-                 .height = height,
+                 .width = film->width,
+                 .height = film->height,
                  .pixels = spread->pixels,
                  .pool = pool};
     FarSamples far = {0};
@@ -499,9 +493,8 @@ void spread_clear(Spread *spread)
 
 void spread_apply(const Spread *spread, Image *image)
 {
-    const uint32_t *area = spread->area;
-    for (uint32_t y = area[1]; y < area[3]; y++)
-        for (uint32_t x = area[0]; x < area[2]; x++) {
+    for (uint32_t y = 0; y < spread->height; y++)
+        for (uint32_t x = 0; x < spread->width; x++) {
             const SpreadPixel *from = spread_pixel(spread, x, y);
             float *pixel = image_at(image, x, y);
             for (int c = 0; c < 3; c++)

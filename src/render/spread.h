@@ -45,8 +45,8 @@ typedef struct SpreadPixel {
 } SpreadPixel;
 
 typedef struct Spread {
-    uint32_t area[4];
-    SpreadPixel *pixels; /* of the area, by rows */
+    uint32_t width, height;
+    SpreadPixel *pixels; /* of the film, by rows */
     uint64_t samples;    /* that stood alone and were shared out */
     double light;        /* the part of the picture's light that they bring, */
     double one_colored;  /* and of that, what came by one colour of many, as dispersion leaves it */
@@ -54,16 +54,14 @@ typedef struct Spread {
 
 static inline const SpreadPixel *spread_pixel(const Spread *spread, uint32_t x, uint32_t y)
 {
-    const uint32_t *area = spread->area;
-    return &spread->pixels[(size_t)(y - area[1]) * (area[2] - area[0]) + (x - area[0])];
+    return &spread->pixels[(size_t)y * spread->width + x];
 }
 
-/* Of the pixels from x0, y0 up to but without x1, y1; a function of the two films alone, which are of one size, with the same
- * bits for any number of threads. pool: NULL is fine. STATUS_NOMEM. */
-ATTR_NODISCARD Status spread_init(Spread *spread, const Film *film, const BrightFilm *bright, const uint32_t area[4],
-                                  Pool *pool, Error *error);
+/* A function of the two films alone, which are of one size, with the same bits for any number of threads. pool: NULL is fine.
+ * STATUS_NOMEM. */
+ATTR_NODISCARD Status spread_init(Spread *spread, const Film *film, const BrightFilm *bright, Pool *pool, Error *error);
 void spread_clear(Spread *spread);
-/* Moves the light, in the first three channels, R, G and B, of an image of the whole film. */
+/* Moves the light, in the first three channels, R, G and B, of an image of the film's size. */
 void spread_apply(const Spread *spread, Image *image);
 
 #endif

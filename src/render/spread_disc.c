@@ -81,11 +81,10 @@ static double weight_of(const Looks *looks, const Lone *lone, size_t pixel)
 /* The most of a map at the pixels next to one, and of its mean around. */
 static double most_beside(const Maps *maps, const float *map, const float *around, uint32_t x, uint32_t y)
 {
-    const uint32_t *area = maps->area;
-    float most = around[place_in(area, x, y)];
-    for (uint32_t v = y > area[1] ? y - 1 : y; v <= y + 1 && v < area[3]; v++)
-        for (uint32_t u = x > area[0] ? x - 1 : x; u <= x + 1 && u < area[2]; u++)
-            most = fmaxf(most, map[place_in(area, u, v)]);
+    float most = around[place_in(maps, x, y)];
+    for (uint32_t v = y > 0 ? y - 1 : y; v <= y + 1 && v < maps->height; v++)
+        for (uint32_t u = x > 0 ? x - 1 : x; u <= x + 1 && u < maps->width; u++)
+            most = fmaxf(most, map[place_in(maps, u, v)]);
     return (double)most;
 }
 
@@ -121,7 +120,7 @@ static uint32_t count_alike(const Maps *maps, const Lone *lone, size_t pixel)
 /* The same of pixels of a row, and where they are; few: of those that have few alike in their pixel. */
 static void add_alike_of(const Maps *maps, const Lone *lone, const Columns *span, uint32_t y, bool few, Around *sums)
 {
-    size_t pixel = place_in(maps->area, span->x0, y);
+    size_t pixel = place_in(maps, span->x0, y);
     for (uint32_t x = span->x0; x < span->x1; x++, pixel++)
         if (UNLIKELY(maps->looks.brightest[pixel] >= lone->least))
             around_add_alike(sums, count_kept(maps, lone, pixel, few ? maps->looks.few[pixel] : UINT32_MAX),
@@ -132,7 +131,7 @@ static void add_alike_of(const Maps *maps, const Lone *lone, const Columns *span
  * of one wavelength. What all around is lit by has no tint. */
 static double tint_of(const Maps *maps, const Lone *lone)
 {
-    size_t pixel = place_in(maps->area, lone->x, lone->y);
+    size_t pixel = place_in(maps, lone->x, lone->y);
     double around[3], sum = 0, apart = 0;
     for (int c = 0; c < 3; c++) sum += around[c] = fmax((double)maps->looks.colors[c][pixel], 0);
     for (int c = 0; c < 3; c++) {
@@ -208,7 +207,7 @@ static void sum_span(const Maps *maps, const Lone *lone, const Columns *span, ui
 {
     double weights[2 * SPREAD_FARTHEST + 1], shares[2 * SPREAD_FARTHEST + 1], dy = (double)y - lone->y;
     if (span->x0 >= span->x1) return;
-    size_t first = place_in(maps->area, span->x0, y);
+    size_t first = place_in(maps, span->x0, y);
     weights_of(&maps->looks, lone, first, span->x1 - span->x0, shares, weights);
     Around sum = {0};
     double dx = (double)span->x0 - lone->x;
@@ -290,7 +289,7 @@ static double find_image(const Around *sums, int radius, Way *way)
 
 double spread_own_weight(const Maps *maps, const Lone *lone)
 {
-    return weight_of(&maps->looks, lone, place_in(maps->area, lone->x, lone->y));
+    return weight_of(&maps->looks, lone, place_in(maps, lone->x, lone->y));
 }
 
 int spread_next_radius(int radius)
@@ -421,7 +420,7 @@ static int stay_in_clump(const Maps *maps, Lone *lone, bool known, Way *way)
     if (apart && close) {
         lone->by_found = way->by_found = true;
         lone->black = way->black = 0;
-        lone->slope = way->slope = 1e-3 / (double)maps->looks.found[place_in(maps->area, lone->x, lone->y)];
+        lone->slope = way->slope = 1e-3 / (double)maps->looks.found[place_in(maps, lone->x, lone->y)];
     }
     look_farther(maps, lone, -1, radius, &sums);
     way->weights = weights_within(&sums, radius);
@@ -467,9 +466,8 @@ static void find_crowding(const Maps *maps, const Lone *lone, Way *way)
     Square square = square_around(lone, way->radius);
     for (uint32_t y = square.y0; y < square.y1; y++)
         for (uint32_t x = square.x0; x < square.x1; x++) {
-            if (!(weight_of(&maps->looks, lone, place_in(maps->area, x, y)) > 0)) continue;
-            double samples = film_pixel(maps->film, x, y)->n,
-                   alike = count_alike(maps, lone, place_in(maps->area, x, y));
+            if (!(weight_of(&maps->looks, lone, place_in(maps, x, y)) > 0)) continue;
+            double samples = film_pixel(maps->film, x, y)->n, alike = count_alike(maps, lone, place_in(maps, x, y));
             pixels++;
             n += samples;
             n_squared += samples * samples;
@@ -490,7 +488,7 @@ static void find_crowding(const Maps *maps, const Lone *lone, Way *way)
 static double crowd(const Maps *maps, const Lone *lone, const Way *way, uint32_t x, uint32_t y)
 {
     double expected = way->usual * film_pixel(maps->film, x, y)->n;
-    return (1 + way->crowding * count_alike(maps, lone, place_in(maps->area, x, y))) / (1 + way->crowding * expected);
+    return (1 + way->crowding * count_alike(maps, lone, place_in(maps, x, y))) / (1 + way->crowding * expected);
 }
 
 Columns spread_weights_of_row(const Maps *maps, const Lone *lone, const Way *way, uint32_t y, double *weights)
@@ -501,7 +499,7 @@ Columns spread_weights_of_row(const Maps *maps, const Lone *lone, const Way *way
     find_spans(&square, lone, -1, half_width(abs((int)y - (int)lone->y), way->radius), spans);
     uint32_t x0 = spans[0].x0, n = spans[0].x1 - x0;
     double shares[2 * SPREAD_FARTHEST + 1];
-    weights_of(&maps->looks, lone, place_in(maps->area, x0, y), n, shares, weights);
+    weights_of(&maps->looks, lone, place_in(maps, x0, y), n, shares, weights);
     double dx = (double)x0 - lone->x;
     if (way->mirrored)
         for (uint32_t i = 0; i < n; i++, dx++)
@@ -537,7 +535,7 @@ static bool shuns_the_dark(const Maps *maps, const Lone *lone, int radius)
     uint32_t n = 0, columns = square.x1 - square.x0;
     for (uint32_t y = square.y0; y < square.y1; y++) {
         double shares[2 * SPREAD_FARTHEST + 1], weights[2 * SPREAD_FARTHEST + 1], lit[2 * SPREAD_FARTHEST + 1];
-        size_t pixel = place_in(maps->area, square.x0, y);
+        size_t pixel = place_in(maps, square.x0, y);
         weights_of(&maps->looks, lone, pixel, columns, shares, weights);
         weights_of(&maps->looks, &by_light, pixel, columns, shares, lit);
         for (uint32_t i = 0; i < columns; i++) {

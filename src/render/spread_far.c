@@ -67,7 +67,7 @@ static double share_of(const Cells *cells, size_t pixel)
 static void add_pixels(const Cells *cells, uint32_t y, double part, uint32_t row)
 {
     const ThingBox *box = &cells->box;
-    size_t pixel = place_in(cells->maps->area, box->x0, y), first = (size_t)row * cells->width;
+    size_t pixel = place_in(cells->maps, box->x0, y), first = (size_t)row * cells->width;
     for (uint32_t x = 0; x < box->x1 - box->x0; x++, pixel++) {
         double share = part * share_of(cells, pixel), root = (double)cells->maps->looks.plain_root[pixel];
         if (!(share > 0)) continue;
@@ -102,7 +102,7 @@ static void add_up_row(void *context, uint32_t row, unsigned worker)
 static uint32_t lights_of_pixel(const Cells *cells, uint32_t x, uint32_t y, float *lights)
 {
     const Looks *looks = &cells->maps->looks;
-    size_t pixel = place_in(cells->maps->area, x, y);
+    size_t pixel = place_in(cells->maps, x, y);
     uint32_t thing = find_thing(looks, pixel, cells->thing), seen = looks->seen[pixel], n = 0;
     for (int i = 0; thing < BRIGHT_THINGS && i < BRIGHT_KEPT && looks->lights[pixel][i] > 0; i++) {
         if (bright_seen_of(seen, i) != thing || !(looks->few[pixel] >> i & 1)) continue;
@@ -329,7 +329,7 @@ static void find_radius(const Cells *cells, Lone *lone, Way *way)
 static void find_way(const Cells *cells, const FarSample *sample)
 {
     Way *way = way_of(cells->maps, sample);
-    Lone lone = spread_lone_on_way(cells->maps, cells->maps->area[1] + sample->row, way);
+    Lone lone = spread_lone_on_way(cells->maps, sample->row, way);
     find_radius(cells, &lone, way);
     if (way->far && way->radius > 0) way->weights = weights_of_disc(cells, &lone, way);
 }
@@ -375,7 +375,7 @@ static void give_to_band(void *context, uint32_t index, unsigned worker)
         const FarSample *sample = &cells->samples[i];
         const Way *way = way_of(maps, sample);
         if (!(way->part > 0) || !way->far) continue;
-        Lone lone = spread_lone_on_way(maps, maps->area[1] + sample->row, way);
+        Lone lone = spread_lone_on_way(maps, sample->row, way);
         Columns rows = rows_of(cells, &lone, way);
         const Closeness close = closeness_of(cells, &lone, way);
         for (uint32_t row = rows.x0 > from ? rows.x0 : from; row < rows.x1 && row < to; row++)
@@ -407,7 +407,7 @@ static void take_gifts(void *context, uint32_t index, unsigned worker)
     Between rows = between(index, cells->height);
     const Gift *one = cells->gifts + (size_t)rows.one * cells->width,
                *other = cells->gifts + (size_t)rows.other * cells->width;
-    size_t pixel = place_in(maps->area, box->x0, box->y0 + index);
+    size_t pixel = place_in(maps, box->x0, box->y0 + index);
     (void)worker;
     for (uint32_t x = 0; x < box->x1 - box->x0; x++, pixel++) {
         double share = share_of(cells, pixel), by_usual = usual(cells, (double)maps->looks.lit[pixel]);
@@ -451,8 +451,8 @@ static bool list_samples(const Maps *maps, FarSamples *far)
         for (size_t i = 0; i < maps->rows[y].n; i++) {
             const Way *way = &maps->rows[y].ways[i];
             if (!way->far) continue;
-            const BrightPixel *pixel = bright_at(maps, way->x, maps->area[1] + y);
-            double usual_light = spread_usual_light(maps, way->x, maps->area[1] + y);
+            const BrightPixel *pixel = bright_at(maps, way->x, y);
+            double usual_light = spread_usual_light(maps, way->x, y);
             far->samples[far->n++] = (FarSample){.thing = pixel->things[bright_seen(pixel, way->kept)],
                                                  .level = level_of(usual_light),
                                                  .row = y,
@@ -491,7 +491,7 @@ static bool list_lights(Cells *cells)
 static uint32_t count_any(const Cells *cells, uint32_t x, uint32_t y)
 {
     const Looks *looks = &cells->maps->looks;
-    size_t pixel = place_in(cells->maps->area, x, y);
+    size_t pixel = place_in(cells->maps, x, y);
     uint32_t thing = find_thing(looks, pixel, cells->thing), seen = looks->seen[pixel], n = 0;
     for (int i = 0; thing < BRIGHT_THINGS && i < BRIGHT_KEPT && looks->lights[pixel][i] > 0; i++)
         n += bright_seen_of(seen, i) == thing;
@@ -516,8 +516,7 @@ static double shares_of_cell(const Cells *cells, uint32_t column, uint32_t row)
     uint32_t x0 = box->x0 + column * SIDE, y0 = box->y0 + row * SIDE;
     double shares = 0;
     for (uint32_t y = y0; y < y0 + SIDE && y < box->y1; y++)
-        for (uint32_t x = x0; x < x0 + SIDE && x < box->x1; x++)
-            shares += share_of(cells, place_in(cells->maps->area, x, y));
+        for (uint32_t x = x0; x < x0 + SIDE && x < box->x1; x++) shares += share_of(cells, place_in(cells->maps, x, y));
     return shares;
 }
 
@@ -540,7 +539,7 @@ static bool find_densities(Cells *cells)
     if (!density_find(&cells->densities, DENSITY_ANY, count_for_density, cells, pool)) return false;
     for (size_t i = 0; i < cells->n_samples; i++) {
         const Way *way = way_of(cells->maps, &cells->samples[i]);
-        const BrightPixel *pixel = bright_at(cells->maps, way->x, cells->maps->area[1] + cells->samples[i].row);
+        const BrightPixel *pixel = bright_at(cells->maps, way->x, cells->samples[i].row);
         int kind = density_kind(bright_light(pixel->rgb[way->kept]) * ALIKE); /* as Lone.least */
         if (!density_find(&cells->densities, kind, count_for_density, cells, pool)) return false;
     }

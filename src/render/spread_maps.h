@@ -1,4 +1,4 @@
-/* spread_maps.h - what is known of the pixels of an area, and of samples on their way; private to src/render/spread*.c.
+/* spread_maps.h - what is known of pixels, and of samples on their way; private to src/render/spread*.c.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_SPREAD_MAPS_H
 #define MEN_SPREAD_MAPS_H
@@ -83,28 +83,27 @@ typedef struct Row {
     bool out_of_memory;
 } Row;
 
-/* Of an area of the film: by its rows. */
+/* Of the film: by its rows. */
 typedef struct Maps {
     const Film *film;
     const BrightFilm *bright;
-    const uint32_t *area;
     uint32_t width, height;
     Looks looks;
     double typical;   /* of all light around pixels, by the mean of its fourth root */
-    ThingBoxes boxes; /* of what is seen in the area */
+    ThingBoxes boxes; /* of what is seen in it */
     Row *rows;
     SpreadPixel *pixels;
     Pool *pool;
 } Maps;
 
-static inline size_t place_in(const uint32_t area[4], uint32_t x, uint32_t y)
+static inline size_t place_in(const Maps *maps, uint32_t x, uint32_t y)
 {
-    return (size_t)(y - area[1]) * (area[2] - area[0]) + (x - area[0]);
+    return (size_t)y * maps->width + x;
 }
 
 static inline const BrightPixel *bright_at(const Maps *maps, uint32_t x, uint32_t y)
 {
-    return &maps->bright->pixels[(size_t)y * maps->bright->width + x];
+    return &maps->bright->pixels[place_in(maps, x, y)];
 }
 
 /* A part of the light that comes to a pixel that is reflected at least, as it is taken here: what is black has some skin. */
@@ -115,12 +114,12 @@ static inline const BrightPixel *bright_at(const Maps *maps, uint32_t x, uint32_
 
 static inline float reflectance_at(const Maps *maps, uint32_t x, uint32_t y)
 {
-    return maps->looks.reflectance[place_in(maps->area, x, y)];
+    return maps->looks.reflectance[place_in(maps, x, y)];
 }
 
 static inline void tint_at(const Maps *maps, uint32_t x, uint32_t y, float tint[3])
 {
-    const float told = maps->looks.told[place_in(maps->area, x, y)];
+    const float told = maps->looks.told[place_in(maps, x, y)];
     bright_tint(bright_at(maps, x, y), tint);
     for (int c = 0; c < 3; c++) {
         float own = 1 + told * (tint[c] - 1);

@@ -22,6 +22,8 @@ whole='--size 32x24 -s 8 --fireflies keep --denoise off -q --aov normal,samples 
 }
 run info left.exr
 matches out '^meniscus/crop +0,0,10,24$'
+matches out '^dataWindow +0 0  9 23$'
+matches out '^displayWindow +0 0  31 23$'
 run merge rest.exr left.exr top.exr -o a.exr -o a.png --half
 exits 0
 says err "wrote a.exr (32 x 24, from 3 parts)"

@@ -160,9 +160,14 @@ exits 1
 says err "65536 x 65536 pixels need some 1374 GB of memory, and this machine has"
 says err "by '--crop', are put together by 'meniscus merge'"
 says err "out of memory:"
-run render small.mns -o part.exr --size 4000x4000 --crop 0,0,8,8 -s 1 --caustics off -q
+run render small.mns -o part.exr --size 60000x60000 --crop 30000,40000,30008,40006 -s 1 --caustics off -q
 exits 0
 no_complaint err
+run info part.exr
+matches out '^dataWindow +30000 40000  30007 40005$'
+run view part.exr -o part.png
+exits 4
+says err "it holds 8 x 6 pixels of a picture of 60000 x 60000, most of which would be empty; 'meniscus merge'"
 end
 
 # cannot TEXT OUTPUT...: status 5 before anything is rendered

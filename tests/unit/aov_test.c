@@ -164,10 +164,10 @@ static void sums_do_not_overflow(void **state)
         for (int k = 0; k < N; k++) aov_film_add(&aovs, 0, 0, &tracer, &tracer.counters);
         for (int k = 0; k < DOUBLINGS; k++) {
             Buf row = {0};
-            aov_film_save_row(&aovs, 0, 1, 0, &row);
+            aov_film_save_row(&aovs, 0, &row);
             BufReader in = {buf_text(&row), row.length};
-            assert_true(aov_film_load_row(&twin, 0, 1, 0, &in));
-            assert_true(aov_film_join_row(&aovs, 0, 1, 0, &twin, 0));
+            assert_true(aov_film_load_row(&twin, 0, &in));
+            assert_true(aov_film_join_row(&aovs, 0, &twin, 0));
             buf_clear(&row);
         }
         film.pixels[0].n = N << DOUBLINGS;

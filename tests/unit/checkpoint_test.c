@@ -24,7 +24,7 @@ static void sample_at(uint32_t pixel, uint32_t number, float rgb[3], uint32_t *t
 static void state_begin(RenderState *state, uint32_t first)
 {
     Error error;
-    *state = (RenderState){.crop = {1, 0, WIDTH, HEIGHT}};
+    *state = (RenderState){.place = {.x = 1, .width = WIDTH + 1, .height = HEIGHT}};
     assert_int_equal(film_init(&state->film, WIDTH, HEIGHT, &error), STATUS_OK);
     assert_int_equal(film_catch(&state->film, &error), STATUS_OK);
     assert_int_equal(bright_film_init(&state->bright, first > 0, WIDTH, HEIGHT, &error), STATUS_OK);
@@ -39,7 +39,7 @@ static void state_make(RenderState *state, uint32_t first, uint32_t end)
 {
     state_begin(state, first);
     for (uint32_t y = 0; y < HEIGHT; y++)
-        for (uint32_t x = 1; x < WIDTH; x++)
+        for (uint32_t x = 0; x < WIDTH; x++)
             for (uint32_t i = first; i < end; i++) {
                 float rgb[3];
                 uint32_t thing, pixel = y * WIDTH + x;
@@ -49,7 +49,7 @@ static void state_make(RenderState *state, uint32_t first, uint32_t end)
                 bright_film_add(&state->bright, x, y, rgb, thing, &(Reflected){.mean = -1});
                 assert_true(tally_add(&state->aovs.tallies[0][pixel], thing, 1));
             }
-    state->counters.paths = (uint64_t)(end - first) * (WIDTH - 1) * HEIGHT;
+    state->counters.paths = (uint64_t)(end - first) * WIDTH * HEIGHT;
 }
 
 static Status state_write(const char *path, const RenderState *state, uint32_t first, uint32_t end, const char *seed)
@@ -97,7 +97,7 @@ static void what_was_written_is_read(void **context)
         RenderState state, again;
         Checkpoint file;
         state_make(&state, first, SAMPLES);
-        state.wanted = calloc((WIDTH - 1) * HEIGHT, sizeof *state.wanted);
+        state.wanted = calloc(WIDTH * HEIGHT, sizeof *state.wanted);
         state.wanted[5] = 99;
         assert_int_equal(state_write(path, &state, first, SAMPLES, "0"), STATUS_OK);
         assert_int_equal(checkpoint_open(path, &file, &error), STATUS_OK);

@@ -12,7 +12,6 @@
 #define assert_in(value, low, high) assert_near(value, ((low) + (high)) / 2.0, ((high) - (low)) / 2.0)
 
 enum { SIDE = 96 };
-static const uint32_t whole[4] = {0, 0, SIDE, SIDE};
 
 /* Nothing is better than by chance where differences fall by chance, whatever the number of samples. */
 static void independent_samples_are_as_their_halves_say(void **state)
@@ -88,7 +87,7 @@ static double stated_over_measured(Integrand integrand, uint32_t n, double mean)
                 float value = integrand(x, y, i);
                 (void)film_add(&film, x, y, (float[]){value, value, value}, 1);
             }
-    assert_int_equal(evenness_init(&evenness, &film, whole, NULL, &error), STATUS_OK);
+    assert_int_equal(evenness_init(&evenness, &film, NULL, &error), STATUS_OK);
     for (uint32_t y = 0; y < SIDE; y++)
         for (uint32_t x = 0; x < SIDE; x++) {
             const FilmPixel *pixel = film_pixel(&film, x, y);
@@ -142,7 +141,7 @@ static void little_is_known_of_few_samples(void **state)
                 float value = y < SIDE / 2 ? ramp(x, y, i) : 1;
                 (void)film_add(&film, x, y, (float[]){value, value, value}, 1);
             }
-    assert_int_equal(evenness_init(&evenness, &film, whole, NULL, &error), STATUS_OK);
+    assert_int_equal(evenness_init(&evenness, &film, NULL, &error), STATUS_OK);
     for (uint32_t y = 0; y < SIDE; y++) {
         if (y + 20 > SIDE / 2 && y < SIDE / 2 + 20) continue;
         assert_near(evenness_of_square(&evenness, 5, y, 16), 1, 1e-9);

@@ -346,6 +346,43 @@ static void standard_output_is_a_whole_file(void **state)
     image_clear(&image);
 }
 
+/* A part of a picture is read as such, and as the whole, which is 0 beyond it. */
+static void a_part_lies_in_its_picture(void **state)
+{
+    (void)state;
+    enum { X = 7, Y = 2, WIDTH = 5, HEIGHT = 3, WHOLE_WIDTH = 20, WHOLE_HEIGHT = 11 };
+    static const char *const names[] = {"G", "R"};
+    const ImagePlace place = {X, Y, WHOLE_WIDTH, WHOLE_HEIGHT};
+    const char *path = in_folder("part.exr");
+    Image part, whole, expanded;
+    ImagePlace found;
+    Error error;
+    assert_int_equal(image_new(WIDTH, HEIGHT, names, 2, &part, &error), STATUS_OK);
+    for (uint32_t i = 0; i < 2 * WIDTH * HEIGHT; i++) part.pixels[i] = (float)i + 1;
+    assert_int_equal(exr_write(path, &part, &(ExrOptions){.place = &place}, &error), STATUS_OK);
+    assert_int_equal(exr_read_part(path, &expanded, &found, &error), STATUS_OK);
+    assert_memory_equal(&found, &place, sizeof place);
+    assert_true(expanded.width == WIDTH && expanded.height == HEIGHT);
+    assert_memory_equal(expanded.pixels, part.pixels, sizeof(float) * 2 * WIDTH * HEIGHT);
+    assert_int_equal(exr_read(path, &whole, &error), STATUS_OK);
+    assert_true(whole.width == WHOLE_WIDTH && whole.height == WHOLE_HEIGHT);
+    for (uint32_t y = 0; y < WHOLE_HEIGHT; y++)
+        for (uint32_t x = 0; x < WHOLE_WIDTH; x++) {
+            bool inside = x >= X && x < X + WIDTH && y >= Y && y < Y + HEIGHT;
+            float expected = inside ? *image_at(&part, x - X, y - Y) : 0;
+            assert_true(*image_at(&whole, x, y) == expected);
+        }
+    assert_int_equal(image_expand(&expanded, &place, &error), STATUS_OK);
+    assert_memory_equal(expanded.pixels, whole.pixels, sizeof(float) * 2 * WHOLE_WIDTH * WHOLE_HEIGHT);
+    image_clear(&expanded);
+    image_clear(&whole);
+    const ImagePlace beyond = {WHOLE_WIDTH + X, Y, WHOLE_WIDTH, WHOLE_HEIGHT};
+    assert_int_equal(exr_write(path, &part, &(ExrOptions){.place = &beyond}, &error), STATUS_OK);
+    assert_int_equal(exr_read_part(path, &expanded, &found, &error), STATUS_INPUT);
+    assert_non_null(strstr(error.text, "outside of its picture"));
+    image_clear(&part);
+}
+
 /* A tiled file of uint "id" = 1000 x + y and half "R" = x / 64, whose
  * data window begins at (-3, 2) and whose display window is 20 x 10 from the origin. */
 static void write_tiles(const char *path, exr_compression_t compression)
@@ -556,6 +593,7 @@ int main(void)
         cmocka_unit_test(threads_write_the_same_file),
         cmocka_unit_test(a_disk_that_fills_up_harms_nothing),
         cmocka_unit_test(standard_output_is_a_whole_file),
+        cmocka_unit_test(a_part_lies_in_its_picture),
         cmocka_unit_test(tiles_and_windows_are_read),
         cmocka_unit_test(colors_are_found),
         cmocka_unit_test(sizes_outside_the_limits_are_refused),

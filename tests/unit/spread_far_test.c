@@ -32,7 +32,7 @@ static void what_goes_far_arrives(void **state)
     uint32_t x = LARGE / 2 + 1, y = LARGE / 2 - 2;
     assert_true(chequered_light(x, y) > 0.05f);
     add(&films, x, y, (float[]){900, 900, 900}, 1);
-    resolve_large(&films);
+    resolve(&films);
     assert_int_equal(films.way.samples, 1);
     double farthest = 0;
     for (uint32_t at = 0; at < LARGE * LARGE; at++) {
@@ -59,7 +59,6 @@ static void edges_get_as_much_from_far(void **state)
     static double sums[COLUMNS];
     Error error;
     Films films;
-    const uint32_t all[4] = {0, 0, LARGE, LARGE};
     const float bright = 600;
     double worst = 0;
     begin_large(&films, COLUMNS, even_light);
@@ -68,7 +67,7 @@ static void edges_get_as_much_from_far(void **state)
         FilmPixel pixel = films.film.pixels[at];
         BrightPixel kept = films.bright.pixels[at];
         add(&films, x, LARGE / 2, (float[]){bright, bright, bright}, 1);
-        assert_int_equal(spread_init(&films.way, &films.film, &films.bright, all, NULL, &error), STATUS_OK);
+        assert_int_equal(spread_init(&films.way, &films.film, &films.bright, NULL, &error), STATUS_OK);
         assert_int_equal(films.way.samples, 1);
         for (uint32_t to = 0; to < LARGE * LARGE; to++)
             if (to % LARGE < COLUMNS)
@@ -98,7 +97,7 @@ static void much_goes_far(void **state)
             1 + i % 3 / 2);
         light += (double)bright / (SAMPLES_OF_LARGE + 1);
     }
-    resolve_large(&films);
+    resolve(&films);
     assert_true(films.way.samples > 200);
     for (uint32_t at = 0; at < LARGE * LARGE; at++) sum += gain_at(&films, at % LARGE, at / LARGE);
     assert_near(sum / light, 0, 1e-12);
@@ -195,7 +194,7 @@ static void nothing_goes_where_none_is_found(void **state)
         float bright = i % 250 == 0 ? 800 : i % 10 == 0 ? 40 : 1;
         add(&films, (uint32_t)(key % WALL), (uint32_t)(key / WALL % LARGE), (float[]){bright, bright, bright}, 1);
     }
-    resolve_large(&films);
+    resolve(&films);
     assert_true(films.way.samples > 300);
     for (uint32_t at = 0; at < LARGE * LARGE; at++) {
         double light = (double)image_at(&films.spread, at % LARGE, at / LARGE)[1];

@@ -27,17 +27,17 @@ static inline void add(Films *films, uint32_t x, uint32_t y, const float rgb[3],
 }
 
 /* With three threads, and the same bits with one. */
-static inline void resolve(Films *films, const uint32_t area[4])
+static inline void resolve(Films *films)
 {
     Error error;
     Pool *pool;
     Spread alone;
-    size_t n = (size_t)(area[2] - area[0]) * (area[3] - area[1]);
+    size_t n = (size_t)films->film.width * films->film.height;
     assert_int_equal(film_resolve(&films->film, NULL, NULL, &films->kept, &error), STATUS_OK);
     assert_int_equal(pool_new(3, &pool, &error), STATUS_OK);
-    assert_int_equal(spread_init(&films->way, &films->film, &films->bright, area, pool, &error), STATUS_OK);
+    assert_int_equal(spread_init(&films->way, &films->film, &films->bright, pool, &error), STATUS_OK);
     pool_free(pool);
-    assert_int_equal(spread_init(&alone, &films->film, &films->bright, area, NULL, &error), STATUS_OK);
+    assert_int_equal(spread_init(&alone, &films->film, &films->bright, NULL, &error), STATUS_OK);
     assert_memory_equal(alone.pixels, films->way.pixels, n * sizeof *alone.pixels);
     assert_int_equal(alone.samples, films->way.samples);
     assert_true(alone.light == films->way.light);
@@ -74,11 +74,6 @@ static inline void begin_large(Films *films, uint32_t columns, float (*light_of)
                 float light = light_of(x, y);
                 add(films, x, y, (float[]){light, light, light}, x < columns ? 1 : BRIGHT_NOTHING);
             }
-}
-
-static inline void resolve_large(Films *films)
-{
-    resolve(films, (const uint32_t[]){0, 0, LARGE, LARGE});
 }
 
 static inline double gain_at(const Films *films, uint32_t x, uint32_t y)
