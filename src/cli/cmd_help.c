@@ -226,23 +226,25 @@ static Status refuse_properties(const char *topic, Error *error)
     return advice ? fail(error, STATUS_USAGE, "there is no help for '%s'; %s", topic, advice) : STATUS_OK;
 }
 
-/* POV-Ray's words and others', with what is written here, or one that is nearly the same; STATUS_OK: nothing. */
+/* POV-Ray's words and others', with what is written here; STATUS_OK: it is none of them. */
 static Status refuse_word(const char *topic, Error *error)
 {
-    const char *block = habit_block(topic), *directive = habit_directive_pattern(topic), *word = habit_word(topic);
+    const char *block = habit_block(topic), *word = habit_word(topic), *node = habit_node(topic);
     if (block) return fail(error, STATUS_USAGE, "'%s' is POV-Ray's, see meniscus-povray(7); %s", topic, block);
-    const char *node = habit_node(topic);
     if (node) return fail(error, STATUS_USAGE, "there is no help for '%s'; %s", topic, node);
     if (word) return fail(error, STATUS_USAGE, "there is no help for '%s'; write: %s", topic, word);
-    TRY(refuse_properties(topic, error));
-    const char *near = nearest_topic(topic);
+    return refuse_properties(topic, error);
+}
+
+/* What is nearly the same as something that has help, or is POV-Ray's behind a '#'. */
+static Status refuse_near(const char *topic, Error *error)
+{
+    const char *near = nearest_topic(topic), *directive = habit_directive_pattern(topic);
     if (near) return fail(error, STATUS_USAGE, "there is no help for '%s'; did you mean '%s'?", topic, near);
-    if (directive) {
-        size_t name = strcspn(directive, "@");
-        return fail(error, STATUS_USAGE, "'%s' is POV-Ray's, see meniscus-povray(7); write: %.*s%s%s", topic, (int)name,
-                    directive, directive[name] ? "NAME" : "", directive[name] ? directive + name + 1 : "");
-    }
-    return STATUS_OK;
+    if (!directive) return STATUS_OK;
+    size_t name = strcspn(directive, "@");
+    return fail(error, STATUS_USAGE, "'%s' is POV-Ray's, see meniscus-povray(7); write: %.*s%s%s", topic, (int)name,
+                directive, directive[name] ? "NAME" : "", directive[name] ? directive + name + 1 : "");
 }
 
 /* A word can be a command and a node (render), a node, a function and an option (noise): then all are explained. Out
@@ -279,6 +281,28 @@ static Status explain(const char *topic, Buf *out, Error *error)
     return STATUS_OK;
 }
 
+/* Of several words, as 'rough ice', those that have help each by itself. */
+static Status refuse_for_part(const char *topic, Error *error)
+{
+    Buf found = {0}, word = {0}, text = {0};
+    Status status = STATUS_OK;
+    for (const char *at = topic; status == STATUS_OK && *at; at += *at == ' ') {
+        size_t length = strcspn(at, " ");
+        buf_clear(&word);
+        buf_clear(&text);
+        buf_format(&word, "%.*s", (int)length, at);
+        at += length;
+        status = explain(buf_text(&word), &text, error);
+        if (text.length) buf_format(&found, "%s'%s'", found.length ? " and " : "", buf_text(&word));
+    }
+    if (status == STATUS_OK && found.length)
+        status = fail(error, STATUS_USAGE, "there is no help for '%s' as one thing, but for %s", topic, buf_text(&found));
+    buf_clear(&found);
+    buf_clear(&word);
+    buf_clear(&text);
+    return status;
+}
+
 /* The words of all operands, which may be several in one, with this between them. */
 static void join_words(const Options *options, const char *between, Buf *topic)
 {
@@ -306,6 +330,9 @@ static Status explain_words(const Options *options, Buf *out, Error *error)
     static const size_t refused[] = {UNDERSCORE, HYPHEN, N_BETWEEN, BLANK};
     for (size_t i = 0; status == STATUS_OK && !out->length && i < COUNT_OF(refused); i++)
         status = refuse_word(buf_text(&topic[refused[i]]), error);
+    if (status == STATUS_OK && !out->length) status = refuse_for_part(buf_text(&topic[BLANK]), error);
+    for (size_t i = 0; status == STATUS_OK && !out->length && i < COUNT_OF(refused); i++)
+        status = refuse_near(buf_text(&topic[refused[i]]), error);
     if (status == STATUS_OK && !out->length)
         status = fail(
             error, STATUS_USAGE,
