@@ -181,6 +181,16 @@ static Status read_pixel(const char *spelled, const char *text, OptionValue *val
     return fail(error, STATUS_USAGE, "option '%s': '%s' is not X,Y, two whole numbers, such as 320,240", spelled, text);
 }
 
+/* Others write a range with a hyphen or a colon, 1-120: told how it is written here. STATUS_OK: it is none. */
+static Status refuse_other_range(const char *spelled, const char *text, Error *error)
+{
+    uint32_t first, last;
+    const char *separator = read_behind(text, "", &first);
+    const char *end = separator && strchr("-:", *separator) ? read_behind(separator + 1, "", &last) : NULL;
+    if (!end || *end) return STATUS_OK;
+    return fail(error, STATUS_USAGE, "option '%s': '%s' is no range here; write %u..%u", spelled, text, first, last);
+}
+
 static Status read_frames(const char *spelled, const char *text, OptionValue *value, Error *error)
 {
     uint32_t *first = &value->whole[0], *last = &value->whole[1], *step = &value->whole[2];
@@ -193,6 +203,7 @@ static Status read_frames(const char *spelled, const char *text, OptionValue *va
         rest = read_behind(rest, "..", last);
         if (rest && *rest) rest = read_behind(rest, "/", step);
     }
+    TRY(refuse_other_range(spelled, text, error));
     if (!rest || *rest || *step == 0)
         return fail(error, STATUS_USAGE,
                     "option '%s': '%s' is not all, a frame or a range of frames, such as 12, 1..120 or 1..120/2",
@@ -216,6 +227,7 @@ static Status read_range(const OptionRow *row, const char *spelled, const char *
 {
     const char *rest = read_behind(text, "", &value->whole[0]);
     rest = rest ? read_behind(rest, "..", &value->whole[1]) : NULL;
+    TRY(refuse_other_range(spelled, text, error));
     if (!rest || *rest)
         return fail(error, STATUS_USAGE, "option '%s': '%s' is not two whole numbers, such as 1..64", spelled, text);
     if (value->whole[0] > value->whole[1])

@@ -94,6 +94,12 @@ static const struct {
     {"frame-start", "--frames 10..20"},
     {"frame-end", "--frames 10..20"},
     {"frame-range", "--frames 10..20"},
+    {"f", "--frames 12, or 1..120"},
+    {"dry-run", "meniscus check SCENE, which finds all mistakes and renders nothing"},
+    {"validate", "meniscus check SCENE, which finds all mistakes and renders nothing"},
+    {"dependencies", "meniscus check SCENE --json, whose \"files\" are what a scene reads"},
+    {"M", "meniscus check SCENE --json, whose \"files\" are what a scene reads"},
+    {"MD", "meniscus check SCENE --json, whose \"files\" are what a scene reads"},
     {"jobs", "-j 4"},
     {"cores", "-j 4"},
     {"output-dir", "-o FOLDER/picture.exr"},
@@ -332,7 +338,8 @@ static Status check_operands(Parser *parser)
                         options->operands[i], habit_of(options->command, options->operands[i]));
     if (options->n_operands > row->most) return refuse_surplus(parser, options->operands[row->most]);
     if (options->n_operands < row->fewest)
-        return fail(parser->error, STATUS_USAGE, "'%s' needs %s", row->name, row->operands);
+        return fail(parser->error, STATUS_USAGE, "'%s' needs %s%s", row->name, row->operands,
+                    row->most == 1 && strcmp(row->operands, "SCENE") == 0 ? ": a file, or - for standard input" : "");
     return STATUS_OK;
 }
 

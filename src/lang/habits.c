@@ -3,6 +3,7 @@
 #include "lang/habits.h"
 
 #include <string.h>
+#include <strings.h>
 
 #include "base/attr.h"
 
@@ -326,7 +327,7 @@ const char *habit_export(const char *file, const char *word)
 const char *habit_choice(const char *property, const char *word)
 {
     for (size_t i = 0; i < COUNT_OF(choice_rows); i++)
-        if (strcmp(choice_rows[i].property, property) == 0 && strcmp(choice_rows[i].word, word) == 0)
+        if (strcmp(choice_rows[i].property, property) == 0 && strcasecmp(choice_rows[i].word, word) == 0)
             return choice_rows[i].choice;
     return NULL;
 }

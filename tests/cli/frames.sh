@@ -176,6 +176,10 @@ for wrong in 0..x 3..1 1..4/0 1-4 '' 1..4..2 -1; do
     run render moving.mns --frames "$wrong"
     exits 2
 done
+for wrong in 1-4 1:4; do
+    run render moving.mns --frames "$wrong"
+    says err "'$wrong' is no range here; write 1..4"
+done
 for wrong in 0/3 4/3 3 1/ 1/2/3; do
     run render moving.mns --shard "$wrong"
     exits 2

@@ -33,7 +33,7 @@ refuses "unknown option '-Z'" render -Z small.mns
 refuses "unknown option '-Z' in '-qZ'" render -qZ small.mns
 refuses "did you mean '--spp' (with two dashes)?" render -spp 3 small.mns
 refuses "'render' has no option '--flip'; 'compare' has one" render --flip small.mns
-refuses "'render' needs SCENE" render
+refuses "'render' needs SCENE: a file, or - for standard input" render
 refuses "'other.mns' is one word too many" render small.mns other.mns
 refuses "'small.png' is one word too many: what is written stands behind -o, as -o small.png" render small.mns small.png
 refuses "'albedo' is one word too many: '--aov' takes one, LIST, as in: meniscus render glass.mns --aov normal,depth" render --aov depth albedo small.mns
@@ -162,6 +162,17 @@ float tint = rgb(
 staircase media.pvb
 white_background studio.cutout_shot(
 aberration --ray
+gold-foil transmission = 0
+anti-reflective film_ior = 1.33
+brushed-steel anisotropy = .8
+gradient-softbox emission = gradient
+sunbeams phase = hg(.8)
+lume not computed
+cat's-eye anisotropy = .95
+waterline expect = [water]
+icicles curve = cubic
+makefile .files[]
+stdin -o drink.exr
 media.acrylic Acrylic glass, PMMA
 wine_glass use "std/glassware.mns" as glassware
 scatter Places what stands behind it n times on a disc
@@ -197,6 +208,9 @@ refuses "there is no help for 'look_at'; in a camera, write: to = ..." help look
 refuses "there is no help for 'focal_length'; in a camera, write: fov = 40" help focal length
 refuses "there is no help for 'shutter_speed'; in a camera, write: shutter = 180" help 'shutter speed'
 refuses "aperture = 50mm / 2.8" help f-stop
+refuses "aperture = 50mm / 2.8" help f-number
+refuses "there is no help for 'rough ice' as one thing, but for 'ice'" help rough ice
+refuses "as one thing, but for 'gold' and 'watch'" help gold watch
 refuses "there is no help for 'cubic_spline'; in a lathe, write: curve = cubic" help cubic_spline
 refuses "there is no help for 'principled'; write: surface = surface { albedo" help principled
 refuses "there is no help for 'rand'; write: rnd(seed, i), which has no state" help rand
@@ -205,6 +219,10 @@ refuses "'Declare=N=3' is POV-Ray's; here it is -D NAME=VALUE" render small.mns 
 refuses "unknown option '-w'; here it is --size 640x480" render small.mns -w 640
 refuses "unknown option '--max-depth'; here it is --set render.bounces=32" render small.mns --max-depth 8
 refuses "unknown option '--start-frame'; here it is --frames 10..20" render small.mns --start-frame 8
+refuses "unknown option '-f'; here it is --frames 12" render small.mns -f 12
+refuses "unknown option '--dry-run'; here it is meniscus check SCENE" render small.mns --dry-run
+refuses "unknown option '-M'; here it is meniscus check SCENE --json" render small.mns -M
+refuses "there is no 'Z'; did you mean 'depth'?" render small.mns --aov Z
 refuses "unknown option '--json'; here it is --progress json, --log-format json" render small.mns --json
 refuses "'sphere' has no property 'centre'; write: center = ..." help sphere.centre
 refuses "'sphere' has no property 'raduis'; did you mean 'radius'?" help sphere.raduis
