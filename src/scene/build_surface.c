@@ -400,8 +400,9 @@ static void check_boundary(Builder *b, const EvalNode *node, Span where)
             diag_hint(b->diag, report, "leave 'interior' out: a shadow catcher is opaque");
         else if (!shines)
             diag_hint(b->diag, report,
-                      "opaque is what has no interior: interior = none, where a prototype has one; transmission = .5 "
-                      "makes it half clear and half painted, 0 all painted");
+                      "transmission = 0 beside '%s' paints or gilds what is clear, .5 half of it; what is opaque through "
+                      "and through has no interior: interior = none, where a prototype has one",
+                      name);
         break;
     }
     const EvalProp *rough = eval_prop(node, "roughness");

@@ -111,11 +111,16 @@ static Status check_field(const HeightField *field, Error *error)
     if ((uint64_t)n_x * n_z > MOST_POINTS)
         return fail(error, STATUS_SCENE, "a height field of %u x %u heights is too large; the limit is %d in all", n_x,
                     n_z, MOST_POINTS);
-    for (size_t i = 0; i < (size_t)n_x * n_z; i++)
-        if (!((double)field->heights[i] > field->base))
-            return fail(error, STATUS_SCENE, "the height %g in row %zu, column %zu is not above the base, %g",
-                        (double)field->heights[i], i / n_x, i % n_x, field->base);
-    return STATUS_OK;
+    size_t lowest = 0, highest = 0; /* the lowest is named, so that a base below it is below all */
+    for (size_t i = 1; i < (size_t)n_x * n_z; i++) {
+        if (!(field->heights[i] >= field->heights[lowest])) lowest = i;
+        if (field->heights[i] > field->heights[highest]) highest = i;
+    }
+    double least = (double)field->heights[lowest], range = (double)field->heights[highest] - least;
+    if (least > field->base) return STATUS_OK;
+    return fail(error, STATUS_SCENE,
+                "the lowest height, %g in row %zu, column %zu, is not above the base, %g: write base = %.4g, or less", least,
+                lowest / n_x, lowest % n_x, field->base, least - (range > 0 ? 0.2 * range : 0.1));
 }
 
 Status mesh_make_height_field(const HeightField *field, Mesh **mesh, Error *error)

@@ -348,7 +348,7 @@ says_not err 'warning'
 sed -i 's/size = <2/base = 2  size = <2/' field.mns
 run check field.mns
 exits 3
-says err 'in row 0, column 0 is not above the base, 2'
+matches err 'the lowest height, .* in row .*, column .*, is not above the base, 2: write base = [-.0-9]*, or less'
 end
 
 begin "an isosurface renders, and dump says that it cannot write it"
