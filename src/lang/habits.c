@@ -406,7 +406,7 @@ const char *habit_file(const char *text)
         for (const char *at = file_rows[i].words; *at; at += strspn(at, " ")) {
             size_t n = strcspn(at, " ");
             bool whole =
-                strncmp(text, at, n) == 0 && (strchr(" \t\r\n\"", text[n]) || strchr("<{", *at)); /* or the 0 */
+                strncmp(text, at, n) == 0 && (strchr(" \t\r\n\"=", text[n]) || strchr("<{", *at)); /* or the 0 */
             if (whole) return file_rows[i].text;
             at += n;
         }

@@ -264,6 +264,15 @@ static void parse_formals(Parser *parser, Def *def, Span opening)
     parser->brackets--;
 }
 
+/* 'def n = 3': what has no parameters is a name of a value. */
+static void report_no_formals(Parser *parser, const Def *def)
+{
+    Diagnostic *report = expected_error(parser, "'(' and parameters behind the name");
+    if (report)
+        diag_hint(parser->diag, report, "write: let %s = ..., for a value; def %s(x) = ... is a function",
+                  def->name->text, def->name->text);
+}
+
 /* def = "def" name "(" [ formal { "," formal } [ "," ] ] ")" ( "=" expr | block ) ; */
 Stmt *parse_def(Parser *parser, Span begin, bool reports_body)
 {
@@ -272,7 +281,10 @@ Stmt *parse_def(Parser *parser, Span begin, bool reports_body)
     if (!expect_name(parser, "to declare", &def->name, &def->span)) return NULL;
     def->name->declared = SYMBOL_DEF;
     Span opening = token_span(parser);
-    if (expect(parser, TOKEN_PAREN_OPEN, "and parameters behind the name")) parse_formals(parser, def, opening);
+    if (parser->token.kind == TOKEN_ASSIGN && !parser->panic)
+        report_no_formals(parser, def);
+    else if (expect(parser, TOKEN_PAREN_OPEN, "and parameters behind the name"))
+        parse_formals(parser, def, opening);
     const char *head = quote(parser, def->span.begin, consumed_end(parser));
     if (!parser->panic) parse_result_type(parser, head);
     if (consume_if(parser, TOKEN_ASSIGN))
@@ -805,7 +817,7 @@ static bool is_text(const File *file, Diag *diag)
 static bool is_ours(const File *file, Diag *diag)
 {
     const char *text = diag->sources->sources[file->source].text, *at = text + strspn(text, " \t\r\n");
-    while (at[0] == '#' && at[1] == ' ') { /* their comments */
+    while ((at[0] == '#' && at[1] == ' ') || at[0] == ';') { /* their comments */
         at += strcspn(at, "\n");
         at += strspn(at, " \t\r\n");
     }

@@ -34,6 +34,11 @@ group {
   glassware.pour(inside, 30mm, media.water)
   translate(<10 * 30cm, 0, 0>)
 }
+group {
+  glassware.vessel { outside = [<0, 0>, <34mm, 0>, <34mm, 50mm>]  inside = [<0, 5mm>, <30mm, 5mm, 4mm>, <30mm, 50mm>]
+                     surface = surface { roughness = .3 }  drink = media.water  level = 30mm }
+  translate(<12 * 30cm, 0, 0>)
+}
 group { glassware.stemware([for (p in shapes.offset(inside, 1mm)) p + <0, 80mm>])  translate(<11 * 30cm, 0, 0>) }
 assert(abs(glassware.radius_at(inside, 40mm) - 30mm) < 1e-6mm and glassware.radius_at(inside, 60mm) == 0)
 group { gems.round_brilliant()  translate(<-5 * 30cm, 2cm, 40cm>) }
