@@ -141,7 +141,13 @@ void json_truth(JsonWriter *json, bool truth)
 void json_raw(JsonWriter *json, const char *value)
 {
     begin_item(json);
-    buf_add(json->out, value);
+    for (size_t length = 0; *value; value += length) { /* its lines stand as deep as it does, and none is empty */
+        length = strcspn(value, "\n");
+        buf_add_bytes(json->out, value, length);
+        size_t breaks = strspn(value + length, "\n");
+        if (breaks && value[length + breaks]) new_line(json);
+        length += breaks;
+    }
 }
 
 void json_add_text(JsonWriter *json, const char *key, const char *text)

@@ -31,7 +31,7 @@ void json_number(JsonWriter *json, double number);  /* the shortest text that re
 void json_float(JsonWriter *json, float number); /* that reads back as the same float: for all that is stored as one */
 void json_whole(JsonWriter *json, uint64_t number);
 void json_truth(JsonWriter *json, bool truth);
-/* A value that is JSON already. */
+/* A value that is JSON already, in lines of its own where it has several; they are put as deep as the value stands. */
 void json_raw(JsonWriter *json, const char *value);
 /* A key with its value. */
 void json_add_text(JsonWriter *json, const char *key, const char *text);

@@ -10,6 +10,10 @@ enum { MOST = 3 };
 /* Channels far above this many times what nearly all pixels stay below would leave the rest black. */
 #define FAR_LARGER 2.0f
 #define NEARLY_ALL 0.99
+/* Depths of a ground that goes on to the horizon have no few that are far larger, but ever more: where half of them are
+ * within this part of the way to white, white is as far behind the middle one as leaves that a quarter. */
+#define MOSTLY_NEAR 0.125f
+#define QUARTER 0.25f
 /* Directions are this long at most: means of unit vectors, rounded. */
 #define LONGEST_DIRECTION 1.001f
 
@@ -76,6 +80,13 @@ static bool is_something(float value)
     return isfinite(value) && fabsf(value) < LAYER_NOTHING;
 }
 
+/* Is it the one channel of a depth, which EXR files call Z? */
+static bool is_depth(const Image *image, const Channels *channels)
+{
+    const char *name = image->names[channels->at[0]], *dot = strrchr(name, '.');
+    return channels->n == 1 && strcmp(dot ? dot + 1 : name, "Z") == 0;
+}
+
 /* From black to white. */
 static Status find_range(const Image *image, const Channels *channels, Layer *layer, Error *error)
 {
@@ -93,6 +104,11 @@ static Status find_range(const Image *image, const Channels *channels, Layer *la
         layer->black = values[0];
         layer->held = most - layer->black > FAR_LARGER * (nearly - layer->black) && nearly > layer->black;
         layer->white = layer->held ? nearly : most;
+        float middle = values[n / 2] - layer->black;
+        if (is_depth(image, channels) && middle > 0 && middle < MOSTLY_NEAR * (layer->white - layer->black)) {
+            layer->held = true;
+            layer->white = layer->black + middle / QUARTER;
+        }
     }
     free(values);
     return STATUS_OK;

@@ -28,7 +28,8 @@ bool layer_is_in(const Image *image, const char *name);
 /* The layer that a channel belongs to: all that there are, some of them several times. */
 void layer_of_channel(const Image *image, uint32_t channel, char name[LAYER_NAME_SIZE]);
 
-/* Of numbers the least is black; white is the largest, or where a few are far larger, what 99 of 100 do not exceed. What is not
+/* Of numbers the least is black; white is the largest, or where a few are far larger, what 99 of 100 do not exceed, and of a
+ * depth whose half is far nearer than that, a number that leaves the middle one a quarter of the way. What is not
  * finite, or so large that it stands for nothing at all, does not count, and its pixel is dark blue.
  * STATUS_INPUT where the picture has no layer of that name; STATUS_NOMEM. */
 #define LAYER_NOTHING 1e29f

@@ -171,7 +171,7 @@ lume not computed
 cat's-eye anisotropy = .95
 waterline expect = [water]
 icicles curve = cubic
-makefile .files[]
+makefile check drink.mns --files
 stdin -o drink.exr
 media.acrylic Acrylic glass, PMMA
 wine_glass use "std/glassware.mns" as glassware
@@ -221,7 +221,7 @@ refuses "unknown option '--max-depth'; here it is --set render.bounces=32" rende
 refuses "unknown option '--start-frame'; here it is --frames 10..20" render small.mns --start-frame 8
 refuses "unknown option '-f'; here it is --frames 12" render small.mns -f 12
 refuses "unknown option '--dry-run'; here it is meniscus check SCENE" render small.mns --dry-run
-refuses "unknown option '-M'; here it is meniscus check SCENE --json" render small.mns -M
+refuses "unknown option '-M'; here it is meniscus check SCENE --files" render small.mns -M
 refuses "there is no 'Z'; did you mean 'depth'?" render small.mns --aov Z
 refuses "unknown option '--json'; here it is --progress json, --log-format json" render small.mns --json
 refuses "'sphere' has no property 'centre'; write: center = ..." help sphere.centre

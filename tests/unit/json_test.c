@@ -30,6 +30,20 @@ static void items_are_divided(void **state)
     buf_clear(&out);
 }
 
+static void what_is_json_already_stands_as_deep_as_it_is_put(void **state)
+{
+    (void)state;
+    Buf out = {0};
+    JsonWriter json = json_writer(&out, true);
+    json_begin_object(&json);
+    json_key(&json, "list");
+    json_raw(&json, "[\n  1\n]\n\n");
+    json_add_whole(&json, "n", 2);
+    json_end(&json);
+    assert_string_equal(buf_text(&out), "{\n  \"list\": [\n    1\n  ],\n  \"n\": 2\n}");
+    buf_clear(&out);
+}
+
 static void lines_are_indented(void **state)
 {
     (void)state;
@@ -77,6 +91,7 @@ static void numbers_that_json_lacks_are_null(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_is_json_already_stands_as_deep_as_it_is_put),
         cmocka_unit_test(items_are_divided),
         cmocka_unit_test(lines_are_indented),
         cmocka_unit_test(texts_are_escaped),

@@ -102,6 +102,26 @@ static void distances_go_from_black_to_white(void **state)
     image_clear(&image);
 }
 
+/* A ground below a camera: twice as far where half as many rows are left to the horizon. */
+static float to_the_horizon(uint32_t i, uint32_t k)
+{
+    (void)k;
+    return 10 + 1000 / (float)(PIXELS - i);
+}
+
+static void a_ground_to_the_horizon_leaves_the_near_bright(void **state)
+{
+    (void)state;
+    Image image = picture_of((const char *const[]){"Z"}, 1, to_the_horizon);
+    Layer layer = layer_named(&image, "Z");
+    assert_true(layer.held);
+    assert_float_equal(layer.black, 10 + 1000.0F / PIXELS, 1e-3F);
+    assert_float_equal(layer.white - layer.black, 4 * 1000.0F / PIXELS, 0.5F);
+    check_pixel(&layer, PIXELS - 1, 1, 1, 1);
+    layer_clear(&layer);
+    image_clear(&image);
+}
+
 /* Of two hundred numbers one is far larger. */
 static float peaked(uint32_t i, uint32_t k)
 {
@@ -172,6 +192,7 @@ int main(void)
         cmocka_unit_test(colors_stay_as_they_are),
         cmocka_unit_test(directions_are_grey_at_nothing),
         cmocka_unit_test(distances_go_from_black_to_white),
+        cmocka_unit_test(a_ground_to_the_horizon_leaves_the_near_bright),
         cmocka_unit_test(a_few_large_numbers_leave_the_rest_bright),
         cmocka_unit_test(what_is_even_is_grey_and_two_channels_leave_blue_black),
         cmocka_unit_test(names_are_of_layers_or_channels),
