@@ -3,6 +3,7 @@
 #define _XOPEN_SOURCE 700 /* realpath */
 #include "base/file.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdint.h>
@@ -12,6 +13,7 @@
 #include <unistd.h>
 
 #include "base/array.h"
+#include "base/attr.h"
 #include "base/file_reads.h"
 #include "base/near_file.h"
 
@@ -175,10 +177,18 @@ const char *file_extension(const char *path)
 
 const char *file_number_mark(const char *path, size_t *length)
 {
-    for (const char *mark = path; (mark = strchr(mark, '%')); mark++) {
-        size_t n_digits = strspn(mark + 1, "0123456789");
-        *length = n_digits + 2;
-        if (mark[1 + n_digits] == 'd') return mark;
+    static const char *const words[] = {"<frame>", "{frame}"};
+    static const char digits[] = "0123456789";
+    for (const char *mark = path; *mark; mark++) {
+        *length = 2 + strspn(mark + 1, digits);
+        if (*mark == '%' && mark[*length - 1] == 'd') return mark;
+        bool letter = mark[0] == '$' && mark[1] == 'F';
+        *length = 2 + (letter ? strspn(mark + 2, digits) : 0);
+        if (letter && !isalpha((unsigned char)mark[*length])) return mark;
+        for (size_t i = 0; i < COUNT_OF(words); i++) {
+            *length = strlen(words[i]);
+            if (strncmp(mark, words[i], *length) == 0) return mark;
+        }
     }
     return NULL;
 }

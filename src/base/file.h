@@ -61,7 +61,8 @@ bool file_lies_in(const char *path, const char *folder);
 const char *file_name(const char *path);
 /* the extension without its dot, in the path's own letters; "" when it has none */
 const char *file_extension(const char *path);
-/* where a number would stand by the ways of C, as "%03d" in "frame%03d.png", and how many bytes that is; NULL: nowhere */
+/* where a number would stand by the ways of C, as "%03d" in "frame%03d.png", or of other programs, "$F3" or "<frame>", and how
+ * many bytes that is; NULL: nowhere */
 const char *file_number_mark(const char *path, size_t *length);
 /* how many bytes of the path stand in front of the extension and its dot */
 size_t file_stem_length(const char *path);

@@ -32,13 +32,16 @@ static void read_names(const char *folder, Names *names)
     closedir(stream);
 }
 
-/* Whether a name is another's with the number of a frame in it. */
+/* Whether a name is another's with the number of a frame in it, or instead of its '#'. */
 static bool is_frame_of(const char *name, const char *whole)
 {
-    size_t stem = file_stem_length(whole);
-    if (strncmp(name, whole, stem) != 0 || name[stem] != '.' || !whole[stem]) return false;
-    size_t n_digits = strspn(name + stem + 1, "0123456789");
-    return n_digits > 0 && strcmp(name + stem + 1 + n_digits, whole + stem) == 0;
+    const char *mark = strchr(whole, '#'), *rest = mark ? mark + strspn(mark, "#") : whole + file_stem_length(whole);
+    size_t before = (size_t)((mark ? mark : rest) - whole);
+    if (strncmp(name, whole, before) != 0 || !*rest) return false;
+    const char *number = name + before;
+    if (!mark && *number++ != '.') return false;
+    size_t n_digits = strspn(number, "0123456789");
+    return n_digits > 0 && strcmp(number + n_digits, rest) == 0;
 }
 
 static const char *first_frame(const Names *names, const char *whole)

@@ -97,6 +97,10 @@ static const struct {
     {"f", "--frames 12, or 1..120"},
     {"dry-run", "meniscus check SCENE, which finds all mistakes and renders nothing"},
     {"validate", "meniscus check SCENE, which finds all mistakes and renders nothing"},
+    {"depfile", "meniscus check SCENE --files, which lists what a scene reads"},
+    {"deps", "meniscus check SCENE --files, which lists what a scene reads"},
+    {"video", "--frames all, and another program makes a film of the pictures: ffmpeg -i glass.%04d.png glass.mp4"},
+    {"movie", "--frames all, and another program makes a film of the pictures: ffmpeg -i glass.%04d.png glass.mp4"},
     {"dependencies", "meniscus check SCENE --files, which lists what a scene reads"},
     {"M", "meniscus check SCENE --files, which lists what a scene reads"},
     {"MD", "meniscus check SCENE --files, which lists what a scene reads"},
@@ -174,8 +178,8 @@ static Status unknown_name(Parser *parser, const char *name, size_t length)
         if (command_has_option(command, key) && option_row(key)->name && option_row(key)->help)
             names[n++] = option_row(key)->name;
     const char *near = suggest_nearest(wrong, names, n);
-    if (!near && !habit) near = only_one_with_start(wrong, length, names, n);
-    if (habit && !near) return fail(parser->error, STATUS_USAGE, "unknown option '--%s'; here it is %s", wrong, habit);
+    if (!near) near = only_one_with_start(wrong, length, names, n);
+    if (habit) return fail(parser->error, STATUS_USAGE, "unknown option '--%s'; here it is %s", wrong, habit);
     if (near)
         return fail(parser->error, STATUS_USAGE, "unknown option '--%.*s'; did you mean '--%s'?", (int)length, name,
                     near);

@@ -388,6 +388,11 @@ small_scene
 run render small.mns -o 'frame%03d.png'
 exits 2
 says err "'%03d' is no place for the number of a frame in the output 'frame%03d.png'; write: frame####.png"
+for mark in '$F3' '$F' '<frame>' '{frame}'; do
+    run render small.mns -o "frame$mark.png"
+    exits 2
+    says err "'$mark' is no place for the number of a frame in the output 'frame$mark.png'; write: frame####.png"
+done
 sed 's/size = <16, 16>/size = <16, 16>  output = "f%d.exr"/' small.mns > other.mns
 run check other.mns
 exits 3

@@ -220,6 +220,8 @@ refuses "unknown option '-w'; here it is --size 640x480" render small.mns -w 640
 refuses "unknown option '--max-depth'; here it is --set render.bounces=32" render small.mns --max-depth 8
 refuses "unknown option '--start-frame'; here it is --frames 10..20" render small.mns --start-frame 8
 refuses "unknown option '-f'; here it is --frames 12" render small.mns -f 12
+refuses "unknown option '--depfile'; here it is meniscus check SCENE --files" render small.mns --depfile
+refuses "unknown option '--video'; here it is --frames all" render small.mns --video
 refuses "unknown option '--dry-run'; here it is meniscus check SCENE" render small.mns --dry-run
 refuses "unknown option '-M'; here it is meniscus check SCENE --files" render small.mns -M
 refuses "there is no 'Z'; did you mean 'depth'?" render small.mns --aov Z
