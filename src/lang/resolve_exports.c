@@ -96,9 +96,10 @@ static bool hint_elsewhere(const Exports *exports, const char *word)
 {
     if (!is_of_library(exports)) return false;
     if (hint_at_library(exports->resolver, exports->report, word, true)) return true;
-    const char *text = habit_word(word);
+    const char *text = habit_word(word), *node = text ? NULL : habit_node(word);
     if (text) diag_hint(exports->resolver->diag, exports->report, "write: %s", text);
-    return text != NULL;
+    if (node) diag_hint(exports->resolver->diag, exports->report, "%s", node);
+    return text || node;
 }
 
 static void hint_at_all(const Exports *exports)

@@ -17,6 +17,8 @@ says err "did you mean '$scratch/work/small.mns'?"
 : > glass.0001.exr.1-1.tmp
 run info glass.exr
 says err "did you mean 'glass.0001.exr'?"
+run info 'glass.####.exr'
+says err "did you mean 'glass.0001.exr'?"
 run view pictures/wod.png -o a.png
 says err "did you mean 'pictures/wood.png'?"
 { cat small.mns; echo 'sphere { surface = surface { albedo = image { file = "pictures/wodo.png" } } }'; } > textured.mns
