@@ -207,6 +207,14 @@ static Status print_findings(Check *check, bool quiet, Error *error)
     return print_out(&check->report, error);
 }
 
+/* Sections and rays that begin at a place are looked at without any picture. */
+static bool draws_only(const Check *check)
+{
+    bool through_pixel = check->pixel != NULL;
+    for (size_t i = 0; i < check->rays.n_wishes; i++) through_pixel |= check->rays.wishes[i].through_pixel;
+    return !through_pixel && (check->slice.wanted || check->rays.n_wishes);
+}
+
 Status cmd_check(const Options *options, const Talk *talk, Error *error)
 {
     Check check = {.as_json = option_given(options, OPTION_JSON),
@@ -214,6 +222,7 @@ Status cmd_check(const Options *options, const Talk *talk, Error *error)
     scene_input_init(&check.input, options, talk);
     Status status = check_slice_init(&check.slice, options, error);
     if (status == STATUS_OK) status = check_rays_init(&check.rays, options, error);
+    check.input.scene_options.no_picture = draws_only(&check);
     if (status == STATUS_OK) status = examine(&check, options, error);
     if (status == STATUS_OK || status == STATUS_SCENE) {
         Error own = {0};

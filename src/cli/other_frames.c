@@ -76,6 +76,7 @@ static void open_frame(OtherFrame *other, SceneInput *from, uint32_t frame)
     *other = (OtherFrame){.from = from};
     scene_input_init(&other->input, from->options, from->talk);
     other->input.scene_options.pool = from->scene_options.pool;
+    other->input.scene_options.no_picture = from->scene_options.no_picture;
     other->input.text = from->text;
     other->input.text_length = from->text_length;
     other->input.instant = from->instant;

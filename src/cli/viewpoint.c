@@ -111,10 +111,10 @@ ReportView viewpoint_look(const SceneInput *input, uint32_t camera, uint32_t wid
                           Vec3 places[VIEWPOINT_PLACES])
 {
     const CompiledScene *compiled = input->compiled;
-    SceneCamera from = input->scene->cameras[camera];
     ReportView view = {.places = places};
     NestList list;
-    if (!has_points(input->scene)) return view;
+    if (!has_points(input->scene) || !input->scene->n_cameras) return view;
+    SceneCamera from = input->scene->cameras[camera];
     nest_list_init(&list);
     bool found = compiled_stand(compiled, &from, &list, NULL, NULL) == STATUS_OK;
     nest_list_clear(&list);

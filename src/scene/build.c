@@ -397,7 +397,7 @@ static void check_whole(Builder *b)
     const bool lit = shines || (scene->environment && !environment_is_black(scene->environment));
     if (!scene->n_objects && !scene->n_lights && !scene->environment)
         diag_report_nowhere(b->diag, D_NOTHING_TO_RENDER, "the scene has no objects, lights or environment");
-    else if (!lit && !any_emits(scene))
+    else if (!lit && !any_emits(scene) && !b->options->no_picture)
         diag_hint(b->diag,
                   diag_report_nowhere(b->diag, D_NO_LIGHT, "nothing in the scene shines: the picture will be black"),
                   "write: environment { color = .5 }, for light from all around");
@@ -407,7 +407,7 @@ static void check_whole(Builder *b)
         if (scene->lights[i].kind == LIGHT_PORTAL)
             diag_report(b->diag, D_IDLE_PORTAL, scene->lights[i].span,
                         "a portal without an environment: there is no light to come in");
-    if (!scene->n_cameras) {
+    if (!scene->n_cameras && !b->options->no_picture) {
         Diagnostic *report = diag_report_nowhere(b->diag, D_NO_CAMERA, "the scene has no camera");
         diag_hint(b->diag, report, "add one: camera { from = <0, 1, 5>  to = <0, 0, 0> }");
     }

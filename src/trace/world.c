@@ -280,15 +280,16 @@ static Status stand_camera(World *world, Error *error)
 /* Beams' ways and beacons come last: to find them, paths are traced in the world, which has to be complete but for these. */
 static Status init_parts(World *world, uint32_t camera, Pool *pool, Error *error)
 {
-    if (camera >= world->scene->n_cameras)
+    const bool looks = world->scene->n_cameras > 0; /* else no picture is made, and rays begin anywhere */
+    if (looks && camera >= world->scene->n_cameras)
         return fail(error, STATUS_RENDER, "the scene has no camera number %u", camera + 1);
-    world->camera = world->scene->cameras[camera];
+    if (looks) world->camera = world->scene->cameras[camera];
     TRY(media_find(world->compiled, &world->media, error));
     TRY(looks_find(world->scene, &world->looks, error));
     TRY(balances_new(world->scene, &world->balances, error));
     TRY(init_lights(world, pool, error));
     note_traits(world);
-    TRY(stand_camera(world, error));
+    if (looks) TRY(stand_camera(world, error));
     reflected_color_init(&world->reflected);
     TRY(beam_ways_find(world, error));
     return find_beacons(world, error);

@@ -485,6 +485,21 @@ says err "option '--ray-least' means nothing without '--ray'"
 run check lens.mns --ray 49,0,0:1,0,0
 exits 2
 says err "this is one of 'screen'"
+sed -e '/^camera/d' -e '/^environment/d' lens.mns > bench.mns
+for bare in "--ray=-30,5,0:1,0,0" "--ray=-30,5,0:1,0,0 --slice z=0 --slice-output bench.png" "--slice z=0 --slice-output bench.png"; do
+    run check bench.mns $bare # no picture is made of it
+    exits 0
+    says_not err 'no-'
+done
+for picture in "" "--ray 4,4" "--slice z=0 --slice-output bench.png --pixel 4,4"; do
+    run check bench.mns $picture
+    exits 3
+    says err '[no-camera]'
+done
+{ echo 'animation { frames = 3 }'; cat bench.mns; } | sed 's/^meniscus.*//' > rest.mns
+{ echo 'meniscus 1.0 unit mm'; cat rest.mns; } > bench.mns
+run check bench.mns --ray=-30,5,0:1,0,0
+exits 0
 end
 
 begin "check --pixel: what stands along a line of sight, and why"
