@@ -296,7 +296,8 @@ static Status refuse_for_part(const char *topic, Error *error)
         if (text.length) buf_format(&found, "%s'%s'", found.length ? " and " : "", buf_text(&word));
     }
     if (status == STATUS_OK && found.length)
-        status = fail(error, STATUS_USAGE, "there is no help for '%s' as one thing, but for %s", topic, buf_text(&found));
+        status =
+            fail(error, STATUS_USAGE, "there is no help for '%s' as one thing, but for %s", topic, buf_text(&found));
     buf_clear(&found);
     buf_clear(&word);
     buf_clear(&text);

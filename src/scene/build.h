@@ -20,7 +20,7 @@ typedef struct SceneOptions {
     SceneImageLoader load_image;
     void *load_image_context;
     bool no_picture; /* none is made of it: it needs no camera and no light */
-    Pool *pool; /* whose threads help with large meshes, or NULL */
+    Pool *pool;      /* whose threads help with large meshes, or NULL */
     /* NULL, or who is told what is being built: a type of nodes, and a name or NULL, which last until the call is over */
     void (*building)(void *context, const char *type, const char *name);
     void *building_context;

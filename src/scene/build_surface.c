@@ -399,10 +399,11 @@ static void check_boundary(Builder *b, const EvalNode *node, Span where)
         else if (catches)
             diag_hint(b->diag, report, "leave 'interior' out: a shadow catcher is opaque");
         else if (!shines)
-            diag_hint(b->diag, report,
-                      "transmission = 0 beside '%s' paints or gilds what is clear, .5 half of it; what is opaque through "
-                      "and through has no interior: interior = none, where a prototype has one",
-                      name);
+            diag_hint(
+                b->diag, report,
+                "transmission = 0 beside '%s' paints or gilds what is clear, .5 half of it; what is opaque through "
+                "and through has no interior: interior = none, where a prototype has one",
+                name);
         break;
     }
     const EvalProp *rough = eval_prop(node, "roughness");

@@ -29,11 +29,12 @@ static const char *find_font(Builder *b, const EvalNode *node)
         return path;
     }
     Diagnostic *report = diag_report(b->diag, D_FILE_NOT_FOUND, font ? font->span : node->span, "no font '%s'", name);
-    diag_hint(b->diag, report,
-              font ? "without a font it is DejaVuSans; fonts are sought like other files, and by the names of their files "
-                     "under %s"
-                   : "name one that there is under %s: font = \"...\", or install the package fonts-dejavu-core",
-              font_folders());
+    diag_hint(
+        b->diag, report,
+        font ? "without a font it is DejaVuSans; fonts are sought like other files, and by the names of their files "
+               "under %s"
+             : "name one that there is under %s: font = \"...\", or install the package fonts-dejavu-core",
+        font_folders());
     return NULL;
 }
 

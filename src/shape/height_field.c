@@ -119,8 +119,8 @@ static Status check_field(const HeightField *field, Error *error)
     double least = (double)field->heights[lowest], range = (double)field->heights[highest] - least;
     if (least > field->base) return STATUS_OK;
     return fail(error, STATUS_SCENE,
-                "the lowest height, %g in row %zu, column %zu, is not above the base, %g: write base = %.4g, or less", least,
-                lowest / n_x, lowest % n_x, field->base, least - (range > 0 ? 0.2 * range : 0.1));
+                "the lowest height, %g in row %zu, column %zu, is not above the base, %g: write base = %.4g, or less",
+                least, lowest / n_x, lowest % n_x, field->base, least - (range > 0 ? 0.2 * range : 0.1));
 }
 
 Status mesh_make_height_field(const HeightField *field, Mesh **mesh, Error *error)
