@@ -5,8 +5,10 @@
  *
  * A pixel does not judge itself. One that has not seen its firefly yet believes that it is done, and stopping when the
  * samples happen to agree would make pictures darker than they are. Whether it goes on is up to its neighbours' samples
- * alone: how many it takes is independent of what they say, so that its mean stays without bias, and so does the error that
- * is estimated from them.
+ * alone. So how many it takes is independent of what they say at that time, and so is the error that is estimated from them.
+ * What it has met does sway, by way of the neighbours' numbers, how many it takes later on: where light comes by chances
+ * so rare that most neighbourhoods have met none after 16 samples, those that have go on, and the mean is too dark, as
+ * measured by 2 % with 16 x 16 pixels, and by less with more.
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef MEN_ADAPT_H
 #define MEN_ADAPT_H
