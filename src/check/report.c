@@ -186,6 +186,8 @@ static void print_medium(const Scene *scene, uint32_t i, Buf *row)
         buf_add(&row[1], "mixes");
     else
         add_index(&row[1], (double)spectrum_at_one(&medium->ior, SCENE_INDEX_NM));
+    if (medium->refracts_doubly)
+        buf_format(&row[1], " and %.4g", (double)spectrum_at_one(&medium->extraordinary, SCENE_INDEX_NM));
     if (medium->disperses)
         buf_format(&row[2], "%.4g .. %.4g, 700 to 400 nm", (double)spectrum_at_one(&medium->ior, 700),
                    (double)spectrum_at_one(&medium->ior, 400));
@@ -228,8 +230,12 @@ static void print_media(const Scene *scene, Buf *out)
     bool *used = calloc(scene->n_media, sizeof *used);
     buf_add(out, "Media\n");
     if (!used) out->failed = true;
-    for (uint32_t k = 0; used && k < scene->n_objects; k++)
-        if (scene->objects[k].medium != SCENE_NONE) used[scene->objects[k].medium] = true;
+    for (uint32_t k = 0; used && k < scene->n_objects; k++) {
+        const uint32_t row = scene->objects[k].medium;
+        if (row == SCENE_NONE) continue;
+        const uint32_t from = scene->media[row].turned_from; /* a crystal is said once, whichever ways it lies */
+        used[from == SCENE_NONE ? row : from] = true;
+    }
     for (uint32_t i = 0; used && i < scene->n_media; i++)
         if (i == 0 || used[i]) print_medium(scene, i, report_row(&table));
     free(used);

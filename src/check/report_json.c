@@ -21,6 +21,11 @@ static void add_medium(JsonWriter *json, const SceneMedium *medium)
     json_begin_object(json);
     json_add_text(json, "name", medium->name);
     json_add_float(json, "ior", spectrum_at_one(&medium->ior, SCENE_INDEX_NM));
+    if (medium->refracts_doubly) {
+        const Vec3 axis = medium->optic_axis;
+        json_add_float(json, "extraordinary_ior", spectrum_at_one(&medium->extraordinary, SCENE_INDEX_NM));
+        json_add_numbers(json, "optic_axis", (const double[3]){axis.x, axis.y, axis.z}, 3);
+    }
     json_add_truth(json, "disperses", medium->disperses);
     json_add_truth(json, "absorbs", medium->absorbs);
     json_add_truth(json, "scatters", medium->scatters);

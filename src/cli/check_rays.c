@@ -230,16 +230,17 @@ static void print_step(const CompiledScene *compiled, const LightStep *step, uin
     case LIGHT_TOTAL: buf_format(&row[3], "mirrored totally, in %s", medium); break;
     case LIGHT_MIRRORED:
         buf_format(&row[3], "mirrored, in %s: ", medium);
-        add_part(&row[3], step->mirrored);
+        add_part(&row[3], step->part);
         break;
     case LIGHT_PASSES:
         if (step->to == step->medium)
             buf_add(&row[3], "goes through: ");
         else
             buf_format(&row[3], "from %s to %s: ", medium, scene->media[step->to].name);
-        add_part(&row[3], step->transmitted);
+        add_part(&row[3], step->part);
         break;
     }
+    if (step->wave != CRYSTAL_UNPOLARIZED) buf_format(&row[3], ", %s", crystal_wave_name(step->wave));
     if (step->scatters) buf_add(&row[3], ", spread around this way");
     add_angle(&row[4], (double)step->angle);
     if (step->turn == LIGHT_PASSES) {
@@ -385,6 +386,8 @@ static void print_step_json(const Scene *scene, const LightStep *step, JsonWrite
     json_add_number(json, "angle", degrees((double)step->angle));
     /* 0 would be an angle: null */
     json_add_number(json, "angle_on", step->turn == LIGHT_PASSES ? degrees((double)step->on) : HUGE_VAL);
+    json_add_text(json, "wave", crystal_wave_name(step->wave));
+    json_add_float(json, "part", step->part);
     json_add_float(json, "transmitted", step->transmitted);
     json_add_float(json, "mirrored", step->mirrored);
     json_add_float(json, "carried", step->carried);

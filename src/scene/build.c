@@ -313,6 +313,7 @@ static void build_media(Builder *b)
     } else {
         b->scene->media = room_for_one(b->arena, NULL, 0, &b->media_capacity, sizeof *b->scene->media);
         b->scene->media[b->scene->n_media++] = (SceneMedium){.name = "air",
+                                                             .turned_from = SCENE_NONE,
                                                              .ior = spectrum_constant(1),
                                                              .absorption = spectrum_constant(0),
                                                              .scattering = spectrum_constant(0),
@@ -357,6 +358,10 @@ static void check_world(Builder *b, bool distant)
                         "the world's medium '%s' mixes, and there is nothing that it could mix with", medium->name);
         diag_hint(b->diag, report, "leave 'mixes' out, or put it into an object");
     }
+    if (medium->refracts_doubly)
+        diag_report(b->diag, D_CONFLICTING_PROPERTIES, medium->span,
+                    "the world's medium '%s' is a crystal: only an object can have an 'extraordinary_ior'",
+                    medium->name);
     if (!scene_medium_is_endless(medium)) return;
     if ((medium->absorbs || medium->scatters) && distant) {
         Diagnostic *report = diag_report(b->diag, D_UNBOUNDED_ENVIRONMENT, medium->span,

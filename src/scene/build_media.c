@@ -18,8 +18,10 @@ float *build_new_table(Builder *b)
 
 /* ---- media ---- */
 
-static bool index_of_refraction(Builder *b, const EvalProp *prop, Spectrum *out)
+static bool index_of_refraction(Builder *b, const EvalNode *node, const char *property, Spectrum *out)
 {
+    const EvalProp *prop = eval_prop(node, property);
+    if (!prop) return false;
     const double *args = prop->as.spectrum.form == SPECTRUM_TERM ? prop->as.spectrum.term->args : NULL;
     if (prop->as.spectrum.form == SPECTRUM_NUMBER) {
         *out = spectrum_constant((float)prop->as.spectrum.rgb[0]);
@@ -31,7 +33,7 @@ static bool index_of_refraction(Builder *b, const EvalProp *prop, Spectrum *out)
         if (!build_spectrum(b, prop, 10, out)) return false;
     } else {
         diag_report(b->diag, D_WRONG_TYPE, prop->span,
-                    "'ior' is a number, cauchy(a, b), sellmeier(b1, b2, b3, c1, c2, c3) or a spectrum()");
+                    "'%s' is a number, cauchy(a, b), sellmeier(b1, b2, b3, c1, c2, c3) or a spectrum()", property);
         return false;
     }
     for (int i = 0; i < SPECTRUM_SAMPLES; i++) {
@@ -45,6 +47,41 @@ static bool index_of_refraction(Builder *b, const EvalProp *prop, Spectrum *out)
         return false;
     }
     return true;
+}
+
+static bool is_same_index(const Spectrum *a, const Spectrum *b)
+{
+    for (int i = 0; i < SPECTRUM_SAMPLES; i++) {
+        const float nm = SPECTRUM_MIN_NM + (float)(i * SPECTRUM_STEP_NM);
+        if (spectrum_at_one(a, nm) != spectrum_at_one(b, nm)) return false;
+    }
+    return true;
+}
+
+static void optic_axis_of(Builder *b, const EvalNode *node, SceneMedium *medium)
+{
+    const EvalProp *prop = eval_prop(node, "optic_axis");
+    if (!eval_prop(node, "extraordinary_ior")) build_needs(b, node, "optic_axis", "without an 'extraordinary_ior'");
+    const Vec3 axis = prop ? vec3(prop->as.vector[0], prop->as.vector[1], prop->as.vector[2]) : vec3(0, 1, 0);
+    const double largest = vec3_max_abs(axis);
+    if (largest > 0)
+        medium->optic_axis = vec3_normalize(vec3_scale(axis, 1 / largest));
+    else
+        diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop->span, "the optic axis is a vector of length 0");
+}
+
+static void indices_of(Builder *b, const EvalNode *node, SceneMedium *medium)
+{
+    bool known = index_of_refraction(b, node, "ior", &medium->ior);
+    medium->extraordinary = medium->ior;
+    (void)index_of_refraction(b, node, "extraordinary_ior", &medium->extraordinary);
+    medium->refracts_doubly = known && !is_same_index(&medium->ior, &medium->extraordinary);
+    medium->disperses = !spectrum_is_constant(&medium->ior) || !spectrum_is_constant(&medium->extraordinary);
+    optic_axis_of(b, node, medium);
+    if (medium->disperses) return;
+    /* a formula that comes to a number is that number, which is the quickest to look up */
+    medium->ior = spectrum_constant(spectrum_at_one(&medium->ior, SCENE_INDEX_NM));
+    medium->extraordinary = spectrum_constant(spectrum_at_one(&medium->extraordinary, SCENE_INDEX_NM));
 }
 
 /* Coefficients per length: a number, a vector for red, green and blue, or a table. Zero after reporting. */
@@ -135,8 +172,9 @@ static void glow_of(Builder *b, const EvalNode *node, SceneMedium *medium)
 /* A medium that mixes is neither on top of anything nor bounded by anything. */
 static void mixing_of(Builder *b, const EvalNode *node, SceneMedium *medium)
 {
-    static const char *const of_owners[] = {"ior", "priority"};
-    static const char *const reasons[] = {"it has the index of what it is in", "it is on top of nothing"};
+    static const char *const of_owners[] = {"ior", "extraordinary_ior", "priority"};
+    static const char *const reasons[] = {"it has the index of what it is in", "it has the index of what it is in",
+                                          "it is on top of nothing"};
     medium->mixes = eval_truth(node, "mixes");
     if (!medium->mixes && !eval_prop(node, "ior"))
         diag_hint(b->diag, diag_report(b->diag, D_MISSING_PROPERTY, node->span, "a medium lacks its property 'ior'"),
@@ -192,7 +230,7 @@ static void add_values(Buf *key, const EvalNode *node)
             add_term(key, prop->as.spectrum.term);
         else if (is_spectrum)
             add_value(key, prop->as.spectrum.rgb, (prop->as.spectrum.form == SPECTRUM_NUMBER ? 1 : 3) * sizeof(double));
-        else if (prop->type->kind == PROP_COLOR)
+        else if (prop->type->kind == PROP_COLOR || prop->type->kind == PROP_VECTOR3)
             add_value(key, prop->as.vector, sizeof prop->as.vector);
         else if (prop->type->kind == PROP_CHOICE)
             add_value(key, prop->as.text, strlen(prop->as.text) + 1);
@@ -226,13 +264,13 @@ uint32_t build_medium(Builder *b, const EvalNode *node)
     if (found) return *row;
     if (!build_word(b, node)) *row = row_of_values(b, node, scene->n_media);
     if (*row != scene->n_media) return *row;
-    SceneMedium medium = {.span = build_author_place(b, node), .ior = spectrum_constant(1), .state = state_of(node)};
+    SceneMedium medium = {.span = build_author_place(b, node),
+                          .ior = spectrum_constant(1),
+                          .turned_from = SCENE_NONE,
+                          .state = state_of(node)};
     medium.name = build_word(b, node);
     if (!medium.name) medium.name = nameless;
-    const EvalProp *ior = eval_prop(node, "ior");
-    if (ior && index_of_refraction(b, ior, &medium.ior)) medium.disperses = !spectrum_is_constant(&medium.ior);
-    /* a formula that comes to a number is that number, which is the quickest to look up */
-    if (!medium.disperses) medium.ior = spectrum_constant(spectrum_at_one(&medium.ior, SCENE_INDEX_NM));
+    indices_of(b, node, &medium);
     mixing_of(b, node, &medium);
     absorption_of(b, node, &medium);
     scattering_of(b, node, &medium);
@@ -258,6 +296,33 @@ uint32_t build_medium_of(Builder *b, const EvalNode *node, const char *owner)
     SceneMedium *medium = &b->scene->media[number];
     if (medium->name == nameless) medium->name = arena_format(b->arena, "medium of %s", owner);
     return number;
+}
+
+/* A crystal whose axis lies in another direction is another medium. */
+static uint32_t turned(Builder *b, uint32_t number, const Affine *to_world)
+{
+    const double same = 1 - 1e-12;
+    Scene *scene = b->scene;
+    SceneMedium medium = scene->media[number];
+    const Vec3 axis = affine_vector(to_world, medium.optic_axis);
+    const double largest = vec3_max_abs(axis);
+    if (!(largest > 0)) return number; /* the map is reported */
+    medium.optic_axis = vec3_normalize(vec3_scale(axis, 1 / largest));
+    for (uint32_t i = number; i < scene->n_media; i++) {
+        const SceneMedium *other = &scene->media[i];
+        const bool alike = i == number || other->turned_from == number;
+        if (alike && fabs(vec3_dot(other->optic_axis, medium.optic_axis)) >= same) return i;
+    }
+    medium.turned_from = number;
+    scene->media = room_for_one(b->arena, scene->media, scene->n_media, &b->media_capacity, sizeof medium);
+    scene->media[scene->n_media] = medium;
+    return scene->n_media++;
+}
+
+uint32_t build_medium_of_object(Builder *b, const EvalNode *node, const char *name, const Affine *frame)
+{
+    const uint32_t number = build_medium_of(b, node, name);
+    return b->scene->media[number].refracts_doubly ? turned(b, number, frame) : number;
 }
 
 /* ---- light ---- */

@@ -342,6 +342,7 @@ static void leave_dispersion_out(Scene *scene)
         SceneMedium *medium = &scene->media[i];
         if (!medium->disperses) continue;
         medium->ior = spectrum_constant(spectrum_at_one(&medium->ior, SCENE_INDEX_NM));
+        medium->extraordinary = spectrum_constant(spectrum_at_one(&medium->extraordinary, SCENE_INDEX_NM));
         medium->disperses = false;
     }
 }

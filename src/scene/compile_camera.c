@@ -153,6 +153,12 @@ static void add_medium(Buf *buf, const CompiledScene *compiled, uint32_t medium)
     buf_format(buf, "%s%s", buf->length ? ", " : "", compiled->scene->media[medium].name);
 }
 
+/* Whichever way its axis lies, it is that crystal. */
+static bool is_of(const Scene *scene, uint32_t medium, uint32_t expected)
+{
+    return medium == expected || scene->media[medium].turned_from == expected;
+}
+
 /* The media from the outside in, the world's own left out: a camera in the air may expect [air] or []. */
 static bool meets_expectation(const CompiledScene *compiled, const SceneCamera *camera, const NestList *list)
 {
@@ -166,7 +172,7 @@ static bool meets_expectation(const CompiledScene *compiled, const SceneCamera *
     }
     if (n != n_hulls) return false;
     for (uint32_t i = 0; i < n; i++)
-        if (expect[i] != compiled->hulls[nest_item(order, list, first + i)].medium) return false;
+        if (!is_of(compiled->scene, compiled->hulls[nest_item(order, list, first + i)].medium, expect[i])) return false;
     return true;
 }
 

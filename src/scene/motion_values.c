@@ -23,6 +23,7 @@ static void compare_media(Finder *f, uint32_t row, uint32_t row_then)
     move_volume(f, &a, "the temperature of ", scene_volume_row(f->scene, a.temperature),
                 scene_volume_row(f->other, b.temperature));
     a.density = b.density = a.temperature = b.temperature = NULL; /* theirs is compared */
+    a.optic_axis = b.optic_axis; /* of what turns: as at the beginning, while the shutter is open */
     if (scene_medium_hash(&a) != scene_medium_hash(&b) || a.reference_k != b.reference_k || a.priority != b.priority)
         motion_report(f, &a.span, "medium ", a.name);
 }
@@ -32,7 +33,10 @@ static void match_media(Finder *f, const SceneObject *object, uint32_t row, uint
     uint32_t known = f->medium_then[row];
     if (known == row_then) return;
     if (known != SCENE_NONE) { /* of all that it fills it becomes another one here */
-        if (scene_medium_hash(&f->other->media[known]) != scene_medium_hash(&f->other->media[row_then]))
+        const SceneMedium *media = f->other->media;
+        SceneMedium same = media[known];
+        same.optic_axis = media[row_then].optic_axis;
+        if (scene_medium_hash(&same) != scene_medium_hash(&media[row_then]))
             motion_report(f, &object->span, "the medium of ", object->name);
         return;
     }

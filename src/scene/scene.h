@@ -32,13 +32,16 @@
 typedef struct SceneMedium {
     const char *name;
     Span span;
-    Spectrum ior;
-    Spectrum absorption; /* per scene unit */
-    Spectrum scattering; /* per scene unit */
+    Spectrum ior;           /* of a crystal, that of its ordinary waves; */
+    Spectrum extraordinary; /* and the principal one of the others, see optics/crystal.h */
+    Vec3 optic_axis;        /* unit, in the world where it is an object's */
+    Spectrum absorption;    /* per scene unit */
+    Spectrum scattering;    /* per scene unit */
     Phase phase;
     bool absorbs;              /* absorption is not zero */
     bool scatters;             /* scattering is not zero */
-    bool disperses;            /* the index depends on the wavelength */
+    bool disperses;            /* an index depends on the wavelength */
+    bool refracts_doubly;      /* its two indices differ */
     const Volume *density;     /* a factor of all that; NULL: 1 everywhere */
     bool emits;                /* emission is not zero */
     Spectrum emission;         /* radiance gained per scene unit, as SceneLight's */
@@ -47,6 +50,7 @@ typedef struct SceneMedium {
     uint32_t light_group; /* of what it shines, as SceneLight's */
     bool mixes;           /* adds to the medium that owns a place, see scene_mixing_state */
     bool models;          /* others are instances of it */
+    uint32_t turned_from; /* SCENE_NONE; or the medium that this is, but for the direction of its optic axis */
     NestState state;
     bool has_priority;
     int32_t priority;

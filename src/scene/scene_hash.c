@@ -113,6 +113,10 @@ uint64_t scene_medium_hash(const SceneMedium *medium)
 {
     Hasher h = {2};
     add_spectrum(&h, &medium->ior);
+    if (medium->refracts_doubly) {
+        add_spectrum(&h, &medium->extraordinary);
+        add_vector(&h, medium->optic_axis);
+    }
     add_spectrum(&h, &medium->absorption);
     if (medium->scatters) {
         add_spectrum(&h, &medium->scattering);

@@ -21,6 +21,7 @@ bool compiled_indices_differ(const Scene *scene, uint32_t medium_a, uint32_t med
     const float least = constant ? FLT_MIN : 1e-3f;
     int sign = 0;
     if (medium_a == medium_b) return false;
+    if (scene->media[medium_a].refracts_doubly || scene->media[medium_b].refracts_doubly) return true;
     for (int i = 0; i < SPECTRUM_SAMPLES; i++) {
         float nm = SPECTRUM_MIN_NM + (float)(i * SPECTRUM_STEP_NM);
         float difference = spectrum_at_one(a, nm) - spectrum_at_one(b, nm);

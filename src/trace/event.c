@@ -52,10 +52,11 @@ bool path_cross_into_next(Tracer *tracer, const Event *event)
     return cross_into_next(tracer, event, &crossing);
 }
 
-/* Whether a boundary between these media can be seen: their indices differ at some wavelength carried. */
+/* Whether a boundary between these media can be seen: their indices differ at some wavelength carried, or one has two. */
 static bool media_differ(Path *path, uint32_t a, uint32_t b)
 {
-    return a != b && !lanes_equal(path_ior(path, a), path_ior(path, b));
+    return a != b &&
+           (!lanes_equal(path_ior(path, a), path_ior(path, b)) || world_refracts_doubly(path->tracer->world, a, b));
 }
 
 bool path_passes_into_boundary(Path *path, Event *event)

@@ -10,6 +10,7 @@
 #include "base/array.h"
 #include "optics/fresnel.h"
 #include "optics/sampling.h"
+#include "trace/crystal_cross.h"
 #include "trace/shade_bsdf.h"
 #include "trace/texture_shade.h"
 
@@ -22,11 +23,21 @@ typedef struct Follower {
     LightWays *ways;
 } Follower;
 
-/* What is met, and both ways on. */
+/* One way on from a surface. */
+typedef struct WayOn {
+    bool passes;
+    Vec3f direction;
+    float part, angle; /* of the light that comes; to the normal */
+    CrystalWave wave;
+} WayOn;
+
+/* What is met, and the ways on, the brightest first: back, and on, or up to two of either kind. */
 typedef struct Meeting {
     LightStep step;
     Vec3f back, on;
     SurfacePlace place;
+    WayOn ways[CRYSTAL_WAYS];
+    uint32_t n_ways;
 } Meeting;
 
 const LightStep *light_ways_step(const LightWays *ways, uint32_t way, uint32_t k)
@@ -73,6 +84,44 @@ static bool turn_at_boundary(const Path *path, Lanes eta_i, Lanes eta_t, Vec3f n
     return vec3f_dot(met->back, met->place.geometric) > 0 && (!passes || vec3f_dot(met->on, met->place.geometric) < 0);
 }
 
+/* Of several as bright as each other the first one first. */
+static void add_way_on(Meeting *met, WayOn way)
+{
+    uint32_t i = met->n_ways++;
+    for (; i > 0 && met->ways[i - 1].part < way.part; i--) met->ways[i] = met->ways[i - 1];
+    met->ways[i] = way;
+}
+
+/* Those of a surface that divides light in two. */
+static void add_two_ways(Meeting *met)
+{
+    const LightStep *step = &met->step;
+    if (step->transmitted > 0)
+        add_way_on(met, (WayOn){.passes = true, .direction = met->on, .part = step->transmitted, .angle = step->on});
+    if (step->mirrored > 0 || step->transmitted == 0)
+        add_way_on(met, (WayOn){.direction = met->back, .part = step->mirrored});
+}
+
+/* A ray that begins within a crystal is an ordinary one. */
+static void meet_crystal(Path *path, const Event *event, Meeting *met)
+{
+    LightStep *step = &met->step;
+    CrystalWay ways[CRYSTAL_WAYS];
+    bool bends_alike;
+    if (path->wave == CRYSTAL_UNPOLARIZED) path->wave = CRYSTAL_ORDINARY;
+    const uint32_t n = path_crystal_ways(path, event, &met->place, ways, &bends_alike);
+    step->angle = angle_to(path->ray.direction, met->place.normal);
+    for (uint32_t i = 0; i < n; i++) {
+        const Vec3f direction = vec3f_from(ways[i].direction);
+        *(ways[i].through ? &step->transmitted : &step->mirrored) += (float)ways[i].part;
+        add_way_on(met, (WayOn){.passes = ways[i].through,
+                                .direction = direction,
+                                .part = (float)ways[i].part,
+                                .angle = angle_to(direction, met->place.normal),
+                                .wave = ways[i].wave});
+    }
+}
+
 static void meet_boundary(Path *path, const Event *event, Meeting *met)
 {
     const World *world = path->tracer->world;
@@ -81,9 +130,13 @@ static void meet_boundary(Path *path, const Event *event, Meeting *met)
     const SceneSurface *surface = number == SCENE_NONE ? NULL : path_surface(path, event, number);
     BsdfSpec room;
     const BsdfSpec *spec = path_boundary_at(path, event, surface, &met->place, &room);
+    met->step.to = event->crossing.medium_to;
+    if (!spec && world_refracts_doubly(world, event->crossing.medium_from, event->crossing.medium_to)) {
+        meet_crystal(path, event, met);
+        return;
+    }
     if (!turn_at_boundary(path, eta_i, eta_t, met->place.normal, met))
         turn_at_boundary(path, eta_i, eta_t, met->place.geometric, met);
-    met->step.to = event->crossing.medium_to;
     if (!spec) return;
     const bool total = met->step.transmitted == 0;
     Bsdf bsdf;
@@ -122,6 +175,14 @@ static void meet_opaque(Path *path, const Event *event, Meeting *met)
     if (step->mirrored + step->transmitted == 0) step->turn = LIGHT_ENDS;
 }
 
+static float index_of(Path *path, uint32_t medium)
+{
+    const SceneMedium *row = &path->tracer->world->scene->media[medium];
+    const CrystalSide side = {(double)lanes_get(path_ior(path, medium), 0),
+                              (double)lanes_get(path_extraordinary(path, medium), 0), row->optic_axis};
+    return (float)crystal_ray_index(&side, path->wave, vec3_from_f(path->ray.direction));
+}
+
 /* The path has come to an event. */
 static Meeting meet(Path *path, const Event *event)
 {
@@ -134,7 +195,7 @@ static Meeting meet(Path *path, const Event *event)
                             .medium = event->medium,
                             .to = SCENE_NONE,
                             .object = surface ? scene_whole(world->scene, event->hit.object) : SCENE_NONE,
-                            .index = lanes_get(path_ior(path, event->medium), 0),
+                            .index = index_of(path, event->medium),
                             .carried = lanes_get(path->beta, 0)}};
     if (!surface) return met;
     met.place = path_place(path, event);
@@ -143,19 +204,29 @@ static Meeting meet(Path *path, const Event *event)
         meet_boundary(path, event, &met);
     else
         meet_opaque(path, event, &met);
+    if (met.step.turn == LIGHT_PASSES && !met.n_ways) add_two_ways(&met);
     return met;
 }
 
-/* What a way does where it can do either. */
-static LightTurn choose(const LightWays *ways, uint32_t way, uint32_t k, const LightStep *step)
+/* Which of the ways on a way takes at its step k. */
+static uint32_t rank_of(const LightWays *ways, uint32_t way, uint32_t k)
 {
     const LightWay *own = &ways->ways[way];
+    return k < own->depth ? light_ways_step(ways, way, k)->rank : k == own->depth ? own->rank : 0;
+}
+
+static void take(Meeting *met, uint32_t rank)
+{
+    LightStep *step = &met->step;
+    const WayOn *way = &met->ways[rank];
     /* a metal lets nothing through either, but keeps some */
-    LightTurn mirrored = step->transmitted > 0 || step->mirrored < .9999f ? LIGHT_MIRRORED : LIGHT_TOTAL;
-    if (k < own->depth) return light_ways_step(ways, way, k)->turn;
-    bool passes = step->transmitted >= step->mirrored;
-    if (k == own->depth && own->from != SCENE_NONE) passes = light_ways_step(ways, own->from, k)->turn != LIGHT_PASSES;
-    return passes ? LIGHT_PASSES : mirrored;
+    const LightTurn mirrored = step->transmitted > 0 || step->mirrored < .9999f ? LIGHT_MIRRORED : LIGHT_TOTAL;
+    step->turn = way->passes ? LIGHT_PASSES : mirrored;
+    step->direction = way->direction;
+    if (way->passes) step->on = way->angle;
+    step->part = way->part;
+    step->rank = rank;
+    step->wave = way->wave;
 }
 
 /* Sends the path on; false: memory ends. */
@@ -164,12 +235,13 @@ static bool go_on(Path *path, Event *event, const Meeting *met, bool *sheet)
     Tracer *tracer = path->tracer;
     const LightStep *step = &met->step;
     const bool passes = step->turn == LIGHT_PASSES;
-    path->beta = lanes_scale(path->beta, passes ? step->transmitted : step->mirrored);
+    path->beta = lanes_scale(path->beta, step->part);
     path->bounce++;
     *sheet = passes && event->kind == EVENT_OPAQUE && path_passes_into_boundary(path, event);
     if (*sheet) return true;
     if (passes && event->kind == EVENT_OPAQUE && !path_cross_into_next(tracer, event)) return false;
     path_leave(path, event, &met->place, passes, step->direction);
+    path->wave = step->wave;
     return !tracer->out_of_memory;
 }
 
@@ -181,36 +253,33 @@ static bool add_step(LightWays *ways, uint32_t way, const LightStep *step)
     return true;
 }
 
-static bool add_way(LightWays *ways, uint32_t from, uint32_t depth)
+static bool add_way(LightWays *ways, uint32_t from, uint32_t depth, uint32_t rank)
 {
     if (ways->n_ways == LIGHT_WAYS) {
         ways->cut = true;
         return true;
     }
     if (!ARRAY_ROOM(ways->ways, ways->ways_capacity, ways->n_ways)) return false;
-    ways->ways[ways->n_ways++] = (LightWay){.from = from, .depth = depth};
+    ways->ways[ways->n_ways++] = (LightWay){.from = from, .depth = depth, .rank = rank};
     return true;
 }
 
-/* Notes the step k of a way, and the other way that parts there; false: memory ends. */
+/* Notes the step k of a way, and the other ways that part there; false: memory ends. */
 static bool note(Follower *f, uint32_t way, uint32_t k, Meeting *met)
 {
     LightWays *ways = f->ways;
-    LightStep *step = &met->step;
+    const LightStep *step = &met->step;
     LightWay *own = &ways->ways[way];
-    const bool turns = step->turn == LIGHT_PASSES; /* or does not go on */
-    if (turns) {
-        step->turn = choose(ways, way, k, step);
-        step->direction = step->turn == LIGHT_PASSES ? met->on : met->back;
-    }
+    const uint32_t depth = own->depth, n = step->turn == LIGHT_PASSES ? met->n_ways : 0; /* else it does not go on */
+    if (n) take(met, rank_of(ways, way, k));
     if (isfinite(step->length)) own->optical += step->length * (double)step->index;
-    if (k < own->depth) return true;
-    if (k == own->depth) own->first = (uint32_t)ways->n_steps;
+    if (k < depth) return true;
+    if (k == depth) own->first = (uint32_t)ways->n_steps;
     if (!add_step(ways, way, step)) return false;
-    const bool forced = k == own->depth && own->from != SCENE_NONE;
-    const float other = step->turn == LIGHT_PASSES ? step->mirrored : step->transmitted;
-    if (!turns || forced || !(other > 0) || step->carried * other < f->least) return true;
-    return add_way(ways, way, k);
+    if (k == depth && own->from != SCENE_NONE) return true; /* these part from the one that it parts from */
+    for (uint32_t rank = 1; rank < n && step->carried * met->ways[rank].part >= f->least; rank++)
+        if (!add_way(ways, way, k, rank)) return false;
+    return true;
 }
 
 static void begin(Follower *f)
@@ -268,7 +337,7 @@ Status light_ways_find(const World *world, const Ray *ray, float nm, float least
     tracer_init(&f->tracer, world);
     Status status = find_start(f, error);
     if (status == STATUS_OK) ways->start = nest_medium(&f->start);
-    bool fine = status != STATUS_OK || add_way(ways, SCENE_NONE, 0);
+    bool fine = status != STATUS_OK || add_way(ways, SCENE_NONE, 0, 0);
     for (uint32_t i = 0; fine && i < ways->n_ways; i++) fine = follow(f, i);
     if (!fine) status = fail_memory(error, 0, "the ways of a ray");
     nest_list_clear(&f->start);

@@ -4,6 +4,7 @@
 #ifndef MEN_LIGHT_WAY_H
 #define MEN_LIGHT_WAY_H
 
+#include "optics/crystal.h"
 #include "trace/world.h"
 
 typedef enum LightTurn {
@@ -24,10 +25,13 @@ typedef struct LightStep {
     uint32_t medium;   /* that the stretch is in */
     uint32_t to;       /* LIGHT_PASSES: the medium behind; the same as before the surface where that is a sheet */
     uint32_t object;   /* whose surface is met, a combination's own row; SCENE_NONE where there is none */
-    float index;       /* of the medium */
+    float index;       /* of the medium; in a crystal, of light along the ray */
     float angle, on;   /* to the surface's normal there, radians: of the ray that comes, and of what is refracted */
     float transmitted, /* of the light that comes to the surface, by it, */
         mirrored;      /* and back from it; 0 and 0 of what ends */
+    float part;        /* and what of it goes on this way: one of these, or of what a crystal splits in up to four; */
+    uint32_t rank;     /* how many ways on are brighter */
+    CrystalWave wave;  /* behind it, in a crystal that refracts doubly */
     float carried;     /* of the ray's first light, to the surface; where it leaves, all along */
     bool scatters;     /* the surface is rough, or not clear in all parts: the directions are those of the middle */
 } LightStep;
@@ -35,7 +39,8 @@ typedef struct LightStep {
 /* A way from the ray's start, or from where it parts from another one, to its end. */
 typedef struct LightWay {
     uint32_t from;     /* the way that this one parts from; SCENE_NONE: the first */
-    uint32_t depth;    /* how many steps it has in common with that */
+    uint32_t depth;    /* how many steps it has in common with that, */
+    uint32_t rank;     /* and which of the ways on it takes behind these */
     uint32_t first, n; /* its own steps; the first of them is what it does where the other one does otherwise */
     double optical;    /* the length of all its steps that end, from the start, times the index */
 } LightWay;

@@ -6,6 +6,7 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "optics/crystal.h"
 #include "trace/guide.h"
 #include "trace/light.h"
 #include "trace/path.h"
@@ -100,16 +101,17 @@ typedef struct Path {
     bool cone_bent;  /* it has gone through a boundary, or off a mirror */
     /* what part of the light that it looks for is the backdrop's of the picture: see path_follow_from_camera */
     float open;
-    bool straight;   /* media do not scatter it: it only looks what is there */
-    bool for_light;  /* and what arrives: what they scatter counts as absorbed */
-    bool looks;      /* for light that media scatter towards it */
-    bool is_photon;  /* it comes from a lamp, and looks for none */
-    bool bent_apart; /* it has come to a boundary where each of its wavelengths would go on in another way, */
-    bool again;      /* and this is the second path of its sample: see sample.c */
-    float color;     /* of the wavelength by whose indices glass bends it, see guide_color; 0 where nobody asks */
-    float colors[2]; /* those of both paths of its sample */
-    int index_lane;  /* of the wavelength whose indices it takes for all of its own; < 0: each has its own */
-    float in_front;  /* the most light that was looked for, and found, on a stretch in front of what it meets first, */
+    bool straight;    /* media do not scatter it: it only looks what is there */
+    bool for_light;   /* and what arrives: what they scatter counts as absorbed */
+    bool looks;       /* for light that media scatter towards it */
+    bool is_photon;   /* it comes from a lamp, and looks for none */
+    bool bent_apart;  /* it has come to a boundary where each of its wavelengths would go on in another way, */
+    bool again;       /* and this is the second path of its sample: see sample.c */
+    float color;      /* of the wavelength by whose indices glass bends it, see guide_color; 0 where nobody asks */
+    float colors[2];  /* those of both paths of its sample */
+    int index_lane;   /* of the wavelength whose indices it takes for all of its own; < 0: each has its own */
+    CrystalWave wave; /* in a crystal that refracts doubly, since it came in, or off a face of it */
+    float in_front;   /* the most light that was looked for, and found, on a stretch in front of what it meets first, */
     uint32_t scatters_in_front; /* and the number of what scatters there, see Tracer.seen */
     uint32_t n_scattered;       /* in media, so far */
     uint32_t n_counted;         /* events that the scene's limit counts, the present one too: none within media */
@@ -199,6 +201,12 @@ static inline Lanes path_ior(Path *path, uint32_t medium)
         kept->ior_of[i] = medium + 1;
     }
     return kept->ior[i];
+}
+/* The same of the extraordinary waves of a crystal. */
+static inline Lanes path_extraordinary(const Path *path, uint32_t medium)
+{
+    const Lanes indices = spectrum_at(&path->tracer->world->scene->media[medium].extraordinary, path->wavelengths.nm);
+    return path->index_lane >= 0 ? lanes_all(lanes_get(indices, path->index_lane)) : indices;
 }
 
 /* A density of directions that stands for those of all lanes. */

@@ -3,6 +3,7 @@
 #include "trace/shade.h"
 
 #include "optics/fresnel.h"
+#include "trace/crystal_cross.h"
 #include "optics/sampling.h"
 #include "scene/ties.h"
 #include "trace/airlight.h"
@@ -99,6 +100,7 @@ void path_start_ray_of_several(const Path *path, const Event *event, bool throug
 void path_leave(Path *path, Event *event, const SurfacePlace *place, bool through, Vec3f direction)
 {
     Tracer *tracer = path->tracer;
+    path->wave = CRYSTAL_UNPOLARIZED;
     if (UNLIKELY(place->apart)) {
         path_start_ray(path, event, place, through, direction, &path->ray);
         return;
@@ -265,6 +267,7 @@ void path_scatter_in_medium(Path *path, const Event *event)
     const Phase *phase = &path->tracer->world->scene->media[event->medium].phase;
     Vec3 position = ray_point(&path->ray, event->t);
     Vec3f along = path->ray.direction;
+    path->wave = CRYSTAL_UNPOLARIZED;
     path->scatter_point = position;
     path->scatter_normal = vec3f(0, 0, 0);
     path->from = path->way;
@@ -472,7 +475,7 @@ static bool keeps_sides(const SurfacePlace *place, Vec3f back, bool passes, Vec3
     return vec3f_dot(back, place->geometric) > 0 && (!passes || vec3f_dot(on, place->geometric) < 0);
 }
 
-/* True with that probability. What a decision leaves of a random number is uniform again, and serves the next one: so
+/* What a decision leaves of a random number is uniform again, and serves the next one: so
  * the samples of a pixel divide up among all ways through several boundaries as evenly as at one boundary. Measured,
  * squared error after equal time: 0.90 (peers' glass), 0.94 (whisky), 1.00 (glass-of-water, cold-glass) of that with a
  * number for each. The first number of a path from the camera is a third coordinate to the place in its pixel, so that its
@@ -481,7 +484,7 @@ static bool keeps_sides(const SurfacePlace *place, Vec3f back, bool passes, Vec3
  * what comes from either way (root of its mean square), learned by paths of the camera in a grid of places and directions:
  * 0.88 (peers' glass), 0.90 (whisky), 0.95 (glass-of-water) where a picture of its own, with eight times as many samples,
  * teaches; 0.97 to 1.04 where a quarter as many do. Roulette by the same: no better than by throughput. */
-static bool decide(Path *path, float probability)
+bool path_decide(Path *path, float probability)
 {
     const float least_left = 0x1p-8f; /* of 32 digits enough remain for the rarest of reflections */
     Decision *decision = &path->decision;
@@ -530,7 +533,7 @@ static void choose_at_boundary(Path *path, const SurfacePlace *place, bool flat,
     choice->chosen = chosen;
     /* what is reflected totally takes no random number */
     choice->total = !passes;
-    choice->reflected = !passes || decide(path, lanes_get(chosen, 0));
+    choice->reflected = !passes || path_decide(path, lanes_get(chosen, 0));
     choice->direction = choice->reflected ? back : on;
 }
 
@@ -598,6 +601,10 @@ bool path_cross_boundary(Path *path, Event *event)
     BsdfSpec room;
     const BsdfSpec *spec = path_boundary_at(path, event, surface, &place, &room);
     if (spec) return path_cross_rough(path, event, surface, spec, &place, eta_i, eta_t);
+    if (UNLIKELY(world_refracts_doubly(world, from, to))) {
+        path_cross_crystal(path, event, &place);
+        return true;
+    }
     Decision decision = path->decision;
     BoundaryChoice choice;
     choose_at_boundary(path, &place, false, eta_i, eta_t, &choice);

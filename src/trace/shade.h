@@ -60,6 +60,8 @@ bool path_sees_light(Path *path, const LightSample *light, Ray *ray, Lanes *tran
 bool path_light_arrives(Path *path, const LightSample *light, Ray *ray, Lanes *basic);
 /* Adds that, scattered by the factor, weighted against finding the light by a direction of density pdf_w, or by the guide. */
 void path_add_direct_light(Path *path, const LightSample *light, Ray *ray, Lanes scattered, float pdf_w);
+/* True with that probability: by a random number of its own at boundaries, one after another. */
+bool path_decide(Path *path, float probability);
 /* path_start_ray where an event has several surfaces. */
 void path_start_ray_of_several(const Path *path, const Event *event, bool through, Vec3f direction, Ray *next);
 /* A ray from the place of an event's surfaces, through them (not where the place is apart) or back, while the path waits there; at

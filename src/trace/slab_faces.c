@@ -36,6 +36,7 @@ static bool cross_straight(Path *look, const Ray *ray, const Hit *hits, size_t n
     if (UNLIKELY(world->has_paint) && path_painted_hit(world, hits, n, level, tracer->list.point.top.level))
         return false;
     if (crossing.medium_from == crossing.medium_to) return true; /* panes are crossed likewise */
+    if (UNLIKELY(world_refracts_doubly(world, crossing.medium_from, crossing.medium_to))) return false;
     Lanes eta_i = path_ior(look, crossing.medium_from), eta_t = path_ior(look, crossing.medium_to);
     if (lanes_equal(eta_i, eta_t)) return true;
     return add_face(look, ray, path_boundary_hit(tracer, &tracer->next, hits, n, &crossing), eta_i, eta_t, way);

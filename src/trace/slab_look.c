@@ -80,9 +80,11 @@ bool slab_look_at_face(Path *look, const Event *event, SlabFace *face)
 {
     face->place = path_place(look, event);
     face->number = slab_face_at(look->tracer->world, &event->hit, &face->place);
-    if (!face->number) return false;
-    face->passes = fresnel_refract(look->ray.direction, face->place.normal, path_ior(look, event->crossing.medium_from),
-                                   path_ior(look, event->crossing.medium_to), &face->reflectance, &face->refracted);
+    const NestCrossing *crossing = &event->crossing;
+    if (!face->number || world_refracts_doubly(look->tracer->world, crossing->medium_from, crossing->medium_to))
+        return false;
+    face->passes = fresnel_refract(look->ray.direction, face->place.normal, path_ior(look, crossing->medium_from),
+                                   path_ior(look, crossing->medium_to), &face->reflectance, &face->refracted);
     return true;
 }
 

@@ -123,6 +123,12 @@ static inline bool world_medium_disperses(const World *world, uint32_t medium)
 {
     return world->scene->media[medium].disperses;
 }
+/* Whether a boundary is a crystal's. */
+static inline bool world_refracts_doubly(const World *world, uint32_t medium_from, uint32_t medium_to)
+{
+    const SceneMedium *media = world->scene->media;
+    return media[medium_from].refracts_doubly || media[medium_to].refracts_doubly;
+}
 /* The wavelengths of a path, by u in [0, 1). */
 static inline WavelengthSample world_wavelengths(const World *world, float u)
 {

@@ -394,6 +394,27 @@ exits 3
 [ ! -s out ] || flunk "a list that is not whole"
 end
 
+begin "check: crystals that refract doubly, once each, and both waves of a ray"
+cat > spar.mns << 'EOF'
+meniscus 1.0 unit mm
+use "std/media.mns" as media
+box { interior = media.calcite  from = <-9, 0, -9>  to = <9, 10, 9>  rotate(z, 45) }
+box { interior = media.calcite  from = <-9, 0, -9>  to = <9, 10, 9>  translate(<40, 0, 0>) }
+environment { }
+camera { from = <0, 40, 60>  to = <0, 5, 0>  fov = 40 }
+EOF
+run check spar.mns --ray '-30,30,0:1,-1,0' --ray-least 20%
+exits 0
+matches out '^  calcite  index 1.658 and 1.486 '
+[ "$(grep -c 'index 1.658' out)" -eq 1 ] || flunk "a crystal is listed twice"
+matches out 'from air to calcite: 4[0-9].*, extraordinary '
+matches out 'from air to calcite: 4[0-9].*, ordinary '
+run check spar.mns --json
+is_json out
+says out '"extraordinary_ior": 1.486'
+[ "$(grep -c '"optic_axis"' out)" -eq 2 ] || flunk "the axes are not two"
+end
+
 begin "check --ray: where light goes, surface by surface, and drawn into a slice"
 cat > lens.mns <<'SCENE'
 meniscus 1.0 unit mm

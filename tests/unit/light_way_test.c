@@ -60,6 +60,32 @@ static double all_that_leaves(const Followed *f)
     return sum;
 }
 
+/* Calcite with its axis at 45 degrees to its faces, head on: two waves of nearly as much light, of which one walks off by 6.22 degrees.
+ * What they leave together is all that came. */
+static void through_a_crystal(void **state)
+{
+    (void)state;
+    Followed f;
+    const double o = 1.6584, e = 1.4864, thick = 10, off = atan((o * o - e * e) / (o * o + e * e));
+    follow(&f,
+           "meniscus 1.0 unit mm medium calcite { ior = 1.6584 extraordinary_ior = 1.4864 optic_axis = <1, 1, 0> }"
+           "box plate { interior = calcite from = <0, -90, -90> to = <10, 90, 90> }" FIXTURE_VIEW,
+           vec3(-20, 0, 0), vec3(1, 0, 0), 1e-4f);
+    for (uint32_t way = 0; way < 2; way++) {
+        const LightStep *in = step(&f, way, 0), *out = step(&f, way, 1);
+        const bool extraordinary = in->wave == CRYSTAL_EXTRAORDINARY;
+        assert_true(extraordinary == (way == 0)); /* its index is less, and so what is mirrored */
+        const double index = extraordinary ? sqrt(2 / (1 / (o * o) + 1 / (e * e))) : o, r = (index - 1) / (index + 1);
+        assert_same(in->part, (1 - r * r) / 2, 1e-6);
+        assert_same(out->place.y, extraordinary ? -thick * tan(off) : 0, 1e-4);
+        assert_same(out->length, extraordinary ? thick / cos(off) : thick, 1e-4);
+        assert_same(f.ways.ways[way].optical, 20 + index * thick, 1e-3); /* the phase is the same all over the plate */
+        assert_same(last(&f, way)->direction.x, 1, 1e-6);
+    }
+    assert_same(all_that_leaves(&f), 1, 1e-3);
+    end(&f);
+}
+
 /* A plate, at 30 degrees. */
 static void through_a_plate(void **state)
 {
@@ -289,7 +315,8 @@ static void no_ray_starts_on_a_surface(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(through_a_plate),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(through_a_crystal),
+                                       cmocka_unit_test(through_a_plate),
                                        cmocka_unit_test(bow_of_a_drop),
                                        cmocka_unit_test(ways_carry_all),
                                        cmocka_unit_test(hidden_surfaces_are_none),

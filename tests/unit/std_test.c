@@ -55,6 +55,7 @@ static void media_have_their_published_indices(void **state)
         {"diamond", 2.4175, 55.3, 1e-3},
         {"zirconia", 2.1588, 33.5, 1e-3},
         {"quartz", 1.5442, 0, 1e-4},
+        {"calcite", 1.6584, 0, 1e-4},
         {"water", 1.33335, 0, 5e-5},
         {"ice", 1.3097, 0, 1e-4},
         {"soda_lime", 1.5233, 0, 1e-4},
