@@ -203,7 +203,7 @@ static void print_medium(const Scene *scene, uint32_t i, Buf *row)
                 spectrum_at_one(&medium->absorption, lights[most].nm))
                 most = k;
         double coefficient = (double)spectrum_at_one(&medium->absorption, lights[most].nm);
-        buf_add(&row[4], "absorbs");
+        buf_add(&row[4], medium->pleochroic ? "pleochroic, absorbs" : "absorbs");
         if (coefficient > 0) {
             bool grey = spectrum_is_constant(&medium->absorption);
             buf_format(&row[4], " half of %s light within ", grey ? "all" : lights[most].name);

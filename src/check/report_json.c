@@ -24,6 +24,7 @@ static void add_medium(JsonWriter *json, const SceneMedium *medium)
     if (medium->refracts_doubly) {
         const Vec3 axis = medium->optic_axis;
         json_add_float(json, "extraordinary_ior", spectrum_at_one(&medium->extraordinary, SCENE_INDEX_NM));
+        json_add_truth(json, "pleochroic", medium->pleochroic);
         json_add_numbers(json, "optic_axis", (const double[3]){axis.x, axis.y, axis.z}, 3);
     }
     json_add_truth(json, "disperses", medium->disperses);

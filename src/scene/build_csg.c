@@ -201,9 +201,9 @@ static void build_combination(Builder *b, const EvalNode *node, const Affine *to
     if (surface && !interior) build_needs(b, node, "priority", "on an opaque object");
     whole.object = build_add_object(b, node, SCENE_NONE, to_world);
     SceneObject *object = &scene->objects[whole.object];
-    if (interior) whole.medium = build_medium_of_object(b, interior->as.node, object->name, &b->node_to_world);
-    object->medium = whole.medium;
     object->surface = whole.surface;
+    if (interior) build_fill_object(b, interior, whole.object, &b->node_to_world);
+    whole.medium = object->medium;
     if (interior) build_note_frame(b, whole.object);
     if (interior) object->priority = priority ? (int32_t)priority->as.number : scene->media[whole.medium].priority;
     whole.part = add_parts(b, 1);

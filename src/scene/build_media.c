@@ -107,26 +107,41 @@ static Spectrum coefficients_of(Builder *b, const EvalProp *prop)
     return spectrum;
 }
 
-/* A medium's absorption per scene unit, from coefficients or from a tint and its depth. */
+/* Absorption per scene unit, from coefficients or from a tint and its depth. */
+static Spectrum absorption_by(Builder *b, const EvalNode *node, const char *coefficients, const char *color)
+{
+    const EvalProp *absorption = eval_prop(node, coefficients);
+    const EvalProp *tint = eval_prop(node, color);
+    const EvalProp *depth = eval_prop(node, "depth");
+    build_exclude(b, node, coefficients, color);
+    if (tint && !depth) {
+        Diagnostic *report = diag_report(b->diag, D_MISSING_PROPERTY, tint->span, "'%s' needs a 'depth'", color);
+        diag_hint(b->diag, report, "depth is the length of the medium after which white light has this colour");
+    } else if (tint) {
+        return spectrum_from_tint(tint->as.vector, depth->as.number, build_new_table(b));
+    } else if (absorption) {
+        return coefficients_of(b, absorption);
+    }
+    return spectrum_constant(0);
+}
+
+/* Of a crystal there may be two, for light that swings across its axis, and along it. */
 static void absorption_of(Builder *b, const EvalNode *node, SceneMedium *medium)
 {
-    const EvalProp *absorption = eval_prop(node, "absorption");
-    const EvalProp *tint = eval_prop(node, "tint");
-    const EvalProp *depth = eval_prop(node, "depth");
-    medium->absorption = spectrum_constant(0);
-    build_exclude(b, node, "absorption", "tint");
-    if (tint && !depth) {
-        Diagnostic *report = diag_report(b->diag, D_MISSING_PROPERTY, tint->span, "'tint' needs a 'depth'");
-        diag_hint(b->diag, report, "depth is the length of the medium after which white light has this colour");
-    } else if (depth && !tint) {
+    static const char *const own[] = {"extraordinary_absorption", "extraordinary_tint"};
+    medium->absorption = absorption_by(b, node, "absorption", "tint");
+    medium->extraordinary_absorption = medium->absorption;
+    for (size_t i = 0; i < COUNT_OF(own); i++) {
+        if (!eval_prop(node, own[i])) continue;
+        if (!eval_prop(node, "extraordinary_ior")) build_needs(b, node, own[i], "without an 'extraordinary_ior'");
+        medium->pleochroic = medium->refracts_doubly;
+    }
+    if (medium->pleochroic) medium->extraordinary_absorption = absorption_by(b, node, own[0], own[1]);
+    if (eval_prop(node, "depth") && !eval_prop(node, "tint") && !eval_prop(node, own[1])) {
         Diagnostic *report = build_needs(b, node, "depth", "without a 'tint'");
         diag_hint(b->diag, report, "tint is the colour of white light after that length: tint = rgb(.8, .9, 1)");
-    } else if (tint) {
-        medium->absorption = spectrum_from_tint(tint->as.vector, depth->as.number, build_new_table(b));
-    } else if (absorption) {
-        medium->absorption = coefficients_of(b, absorption);
     }
-    medium->absorbs = !spectrum_is_zero(&medium->absorption);
+    medium->absorbs = !spectrum_is_zero(&medium->absorption) || !spectrum_is_zero(&medium->extraordinary_absorption);
 }
 
 static void scattering_of(Builder *b, const EvalNode *node, SceneMedium *medium)
@@ -319,10 +334,24 @@ static uint32_t turned(Builder *b, uint32_t number, const Affine *to_world)
     return scene->n_media++;
 }
 
-uint32_t build_medium_of_object(Builder *b, const EvalNode *node, const char *name, const Affine *frame)
+/* As path_boundary_at has it. */
+static bool is_smooth(const SceneSurface *surface)
 {
-    const uint32_t number = build_medium_of(b, node, name);
-    return b->scene->media[number].refracts_doubly ? turned(b, number, frame) : number;
+    return !(surface->roughness > 0) && !surface->painted;
+}
+
+void build_fill_object(Builder *b, const EvalProp *interior, uint32_t number, const Affine *frame)
+{
+    SceneObject *object = &b->scene->objects[number];
+    object->medium = build_medium_of(b, interior->as.node, object->name);
+    const SceneMedium *medium = &b->scene->media[object->medium];
+    if (!medium->refracts_doubly) return;
+    if (object->surface != SCENE_NONE && !is_smooth(&b->scene->surfaces[object->surface]))
+        diag_report(
+            b->diag, D_ONE_IMAGE, interior->span,
+            "the surface of %s is not smooth and clear: light is bent there by the ordinary index of '%s' alone",
+            object->name, medium->name);
+    object->medium = turned(b, object->medium, frame);
 }
 
 /* ---- light ---- */

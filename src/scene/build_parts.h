@@ -161,8 +161,8 @@ Diagnostic *build_needs_other(Builder *b, const EvalNode *node, const char *prop
 uint32_t build_medium(Builder *b, const EvalNode *node);
 /* The same, of what fills an object: without a name of its own it is named after the first one. */
 uint32_t build_medium_of(Builder *b, const EvalNode *node, const char *owner);
-/* The same; the optic axis of a crystal is turned as the frame of the object is. */
-uint32_t build_medium_of_object(Builder *b, const EvalNode *node, const char *name, const Affine *frame);
+/* Gives an object, which has its surface, its medium; the optic axis of a crystal is turned as the frame of the object is. */
+void build_fill_object(Builder *b, const EvalProp *interior, uint32_t number, const Affine *frame);
 /* Whether a radiance can be rendered; reports when not. */
 bool build_is_bearable(Builder *b, Span span, double radiance);
 /* Emission: the colour of a property (NULL: white) times a factor; false after reporting. */

@@ -214,7 +214,7 @@ void build_object(Builder *b, const EvalNode *node, uint32_t shape, const Affine
         build_needs(b, node, "priority", "on an opaque object");
         return;
     }
-    object->medium = build_medium_of_object(b, interior->as.node, object->name, &b->node_to_world);
+    build_fill_object(b, interior, before, &b->node_to_world);
     build_note_frame(b, before);
     object->priority = priority ? (int32_t)priority->as.number : b->scene->media[object->medium].priority;
     if (!b->facts[shape].closed)

@@ -32,16 +32,18 @@
 typedef struct SceneMedium {
     const char *name;
     Span span;
-    Spectrum ior;           /* of a crystal, that of its ordinary waves; */
-    Spectrum extraordinary; /* and the principal one of the others, see optics/crystal.h */
-    Vec3 optic_axis;        /* unit, in the world where it is an object's */
-    Spectrum absorption;    /* per scene unit */
-    Spectrum scattering;    /* per scene unit */
+    Spectrum ior;                      /* of a crystal, that of its ordinary waves; */
+    Spectrum extraordinary;            /* and the principal one of the others, see optics/crystal.h */
+    Vec3 optic_axis;                   /* unit, in the world where it is an object's */
+    Spectrum absorption;               /* per scene unit; of a crystal, of light that swings across its axis, */
+    Spectrum extraordinary_absorption; /* and along it */
+    Spectrum scattering;               /* per scene unit */
     Phase phase;
     bool absorbs;              /* absorption is not zero */
     bool scatters;             /* scattering is not zero */
     bool disperses;            /* an index depends on the wavelength */
     bool refracts_doubly;      /* its two indices differ */
+    bool pleochroic;           /* and what it absorbs */
     const Volume *density;     /* a factor of all that; NULL: 1 everywhere */
     bool emits;                /* emission is not zero */
     Spectrum emission;         /* radiance gained per scene unit, as SceneLight's */

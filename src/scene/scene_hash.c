@@ -117,6 +117,7 @@ uint64_t scene_medium_hash(const SceneMedium *medium)
         add_spectrum(&h, &medium->extraordinary);
         add_vector(&h, medium->optic_axis);
     }
+    if (medium->pleochroic) add_spectrum(&h, &medium->extraordinary_absorption);
     add_spectrum(&h, &medium->absorption);
     if (medium->scatters) {
         add_spectrum(&h, &medium->scattering);

@@ -34,6 +34,19 @@ static inline float draw_budget(float u)
 
 /* ---- even media ---- */
 
+/* The field of an extraordinary wave is across its ray, in the plane of that and of the axis. What is unpolarized has begun in the
+ * crystal, or was scattered there, and is taken as the mean over all directions. */
+Lanes flight_pleochroic(const Path *path, const SceneMedium *medium, Lanes ordinary)
+{
+    const double cosine = vec3_dot(vec3_from_f(path->ray.direction), medium->optic_axis);
+    const float along[] = {[CRYSTAL_UNPOLARIZED] = 1.0f / 3,
+                           [CRYSTAL_ORDINARY] = 0,
+                           [CRYSTAL_EXTRAORDINARY] = (float)fmax(1 - cosine * cosine, 0)};
+    const float part = along[path->wave];
+    return lanes_add(lanes_scale(ordinary, 1 - part),
+                     lanes_scale(spectrum_at(&medium->extraordinary_absorption, path->wavelengths.nm), part));
+}
+
 void flight_draw(Path *path, FreeFlight *flight)
 {
     flight->budget = draw_budget(sampler_1d(&path->sampler, sampler_dimension(path->bounce, DIM_DISTANCE)));

@@ -37,6 +37,8 @@ static inline void flight_begin(Path *path, FreeFlight *flight)
     flight->scattered = flight->absorbed = flight->coefficient = lanes_all(0);
     flight->key = flight->n_drawn = 0;
 }
+/* What a crystal absorbs along the path's ray, if it absorbs so much of ordinary light. */
+Lanes flight_pleochroic(const Path *path, const SceneMedium *medium, Lanes ordinary);
 /* What a medium absorbs of the path's wavelengths; zero where it does not. */
 static inline Lanes flight_absorption(Path *path, uint32_t medium)
 {
@@ -49,7 +51,7 @@ static inline Lanes flight_absorption(Path *path, uint32_t medium)
         kept->absorption[i] = spectrum_at(&m->absorption, path->wavelengths.nm);
         kept->absorption_of[i] = medium + 1;
     }
-    return kept->absorption[i];
+    return LIKELY(!m->pleochroic) ? kept->absorption[i] : flight_pleochroic(path, m, kept->absorption[i]);
 }
 /* Held finite, so that a wavelength at which nothing happens stays so out to infinity. */
 static inline float flight_length(double length)

@@ -394,6 +394,7 @@ void path_add_emission(Path *path, const Hit *hit)
 bool path_shade_opaque(Path *path, Event *event)
 {
     Tracer *tracer = path->tracer;
+    path->wave = CRYSTAL_UNPOLARIZED;
     const World *world = tracer->world;
     const ObjectLook *look = &world->looks[event->hit.object];
     path_add_emission(path, &event->hit);

@@ -49,6 +49,39 @@ static void a_plate_polarizes(void **state)
     }
 }
 
+/* What passes a plate of the thickness, head on, of one wave: with all reflections within. */
+static double absorbed(double ior, double absorption, double thickness)
+{
+    const double r = pow((ior - 1) / (ior + 1), 2), a = exp(-absorption * thickness);
+    return (1 - r) * (1 - r) * a / (1 - r * r * a * a);
+}
+
+/* Each wave is absorbed in its own way: along the axis both as ordinary light, across it one more than the other, and between in
+ * proportion to the square of the field along the axis. */
+static void crystals_have_two_colors(void **state)
+{
+    (void)state;
+    static const int angles[] = {0, 30, 60, 90}; /* of the axis, from the normal */
+    for (size_t i = 0; i < COUNT_OF(angles); i++) {
+        char text[1000], what[100];
+        const double angle = angles[i] * degree, o = 1.64, e = 1.6, by_o = 0.03, by_e = 0.2;
+        snprintf(
+            text, sizeof text,
+            "meniscus 1.0 unit mm medium stone { ior = 1.64  extraordinary_ior = 1.6  optic_axis = <%.9f, %.9f, 0>\n"
+            "  absorption = .03 / 1mm  extraordinary_absorption = .2 / 1mm }\n"
+            "box { interior = stone  from = <-90, 0, -90>  to = <90, 10, 90> }\n" SPOT TRUTH_SKY,
+            sin(angle), cos(angle), "0, 50, 0");
+        /* the ray walks off the normal, and its field leans as much */
+        const double off = atan((o * o - e * e) * tan(angle) / (e * e + o * o * tan(angle) * tan(angle)));
+        const double index = 1 / sqrt(pow(cos(angle) / o, 2) + pow(sin(angle) / e, 2));
+        const double field = angles[i] == 90 ? 1 : pow(sin(angle + off), 2);
+        const double expected =
+            0.5 * (absorbed(o, by_o, 10) + absorbed(index, by_o + field * (by_e - by_o), 10 / cos(off)));
+        snprintf(what, sizeof what, "light through a stone of two colours, its axis at %d degrees", angles[i]);
+        truth_expect(what, expected, truth_measure(text, sky_below, 4096, false), 4, 0.005);
+    }
+}
+
 /* Half a plane shines below a plate whose axis is at 45 degrees to its faces: seen from above its edge is where it is by ordinary light,
  * and 10 mm * tan(6.22 degrees) beside that by the other. */
 static void images_are_two(void **state)
@@ -165,6 +198,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_plate_polarizes),
+        cmocka_unit_test(crystals_have_two_colors),
         cmocka_unit_test(images_are_two),
         cmocka_unit_test(the_axis_turns_with_the_object),
         cmocka_unit_test(crystals_are_not_seen_in_even_light),
