@@ -128,13 +128,13 @@ static Vec3 surface_normal(const Side *side, Vec3 k)
 }
 
 /* The wave that leaves the boundary with this phase along x, upwards or downwards. */
-static Wave leaving(const Side *side, bool extraordinary, double along, bool upwards)
+static Wave leaving(const Side *side, bool extraordinary, double phase, bool upwards)
 {
     const double sign = upwards ? 1 : -1;
-    double middle = 0, square = side->ordinary - along * along, divisor = 1;
+    double middle = 0, square = side->ordinary - phase * phase, divisor = 1;
     if (extraordinary && !side->isotropic) {
         const Vec3 of_x = surface_normal(side, vec3(1, 0, 0)), of_z = surface_normal(side, vec3(0, 0, 1));
-        const double b = of_x.z * along, c = of_x.x * along * along - 1;
+        const double b = of_x.z * phase, c = of_x.x * phase * phase - 1;
         divisor = of_z.z;
         middle = -b / divisor;
         square = b * b - divisor * c;
@@ -142,7 +142,7 @@ static Wave leaving(const Side *side, bool extraordinary, double along, bool upw
     const double root = sign * sqrt(fabs(square)) / divisor;
     const bool goes = square > 0;
     const Complex z = goes ? real(middle + root) : (Complex){middle, root};
-    return wave_of(side, extraordinary, (Vec3c){real(along), real(0), z}, goes);
+    return wave_of(side, extraordinary, (Vec3c){real(phase), real(0), z}, goes);
 }
 
 static Vec3 ray_of(const Side *side, bool extraordinary, const Wave *wave)
@@ -156,6 +156,8 @@ static Vec3 ray_of(const Side *side, bool extraordinary, const Wave *wave)
 enum { WAVES = 4 };
 /* A part that is this by rounding alone. */
 static const double nothing = 1e-14;
+/* What less of a wave goes through the boundary than this goes along it. */
+static const double grazing = 1e-9;
 
 /* The components of fields along the boundary. */
 static void put_components(const Wave *wave, double sign, Complex column[WAVES])
@@ -237,6 +239,14 @@ static Side side_in(const Frame *frame, const CrystalSide *side)
                   crystal_is_isotropic(side), into(frame, side->axis)};
 }
 
+/* Light that goes along the boundary, to rounding, stays on its side. */
+static uint32_t mirror(Vec3 direction, CrystalWave wave, Vec3 normal, CrystalWay *way)
+{
+    *way = (CrystalWay){
+        .wave = wave, .direction = vec3_along(direction, -2 * vec3_dot(direction, normal), normal), .part = 1};
+    return 1;
+}
+
 uint32_t crystal_meet(const CrystalSide *from, const CrystalSide *to, Vec3 direction, CrystalWave wave, Vec3 normal,
                       CrystalWay ways[CRYSTAL_WAYS])
 {
@@ -251,6 +261,7 @@ uint32_t crystal_meet(const CrystalSide *from, const CrystalSide *to, Vec3 direc
     for (uint32_t i = 0; i < 2; i++) {
         coming[i] = wave_of(&sides[0], n_coming == 2 ? i == 1 : wave == CRYSTAL_EXTRAORDINARY, k, true);
         put_components(&coming[i], -1, amplitudes[i]);
+        if (!(flow(&coming[i]) > grazing)) return mirror(direction, wave, normal, ways);
     }
     for (uint32_t i = 0; i < WAVES; i++) {
         const bool through = i >= 2;
@@ -276,9 +287,5 @@ uint32_t crystal_meet(const CrystalSide *from, const CrystalSide *to, Vec3 direc
                                  .direction = out_of(&frame, ray_of(side, i % 2 == 1, &left[i])),
                                  .part = part};
     }
-    if (n > 0) return n;
-    /* it goes along the boundary, to rounding, and stays on its side */
-    ways[0] = (CrystalWay){
-        .wave = wave, .direction = vec3_along(direction, -2 * vec3_dot(direction, normal), normal), .part = 1};
-    return 1;
+    return n > 0 ? n : mirror(direction, wave, normal, ways);
 }

@@ -190,6 +190,31 @@ static void ways_go_back(void **state)
     }
 }
 
+/* Rays along the boundary, and indices as far apart as there are: ways are known all the same. */
+static void nothing_is_too_much(void **state)
+{
+    (void)state;
+    uint32_t seed = 3;
+    for (int i = 0; i < 20000; i++) {
+        Meeting m = random_meeting(&seed);
+        const double least = i % 2 ? 0.1 : 1, most = i % 3 ? 10 : 1;
+        for (int k = 0; k < 2; k++) {
+            const bool isotropic_side = crystal_is_isotropic(&m.sides[k]);
+            m.sides[k].ordinary = random_unit(&seed) < 0.5 ? least : most;
+            m.sides[k].extraordinary = isotropic_side ? m.sides[k].ordinary : m.sides[k].ordinary == 1 ? 1.5 : 1;
+        }
+        if (i % 5 == 0) /* exactly along it, or nearly */
+            m.direction = vec3_normalize(vec3_along(m.direction, -vec3_dot(m.direction, m.normal), m.normal));
+        CrystalWay ways[CRYSTAL_WAYS];
+        const uint32_t n = crystal_meet(&m.sides[0], &m.sides[1], m.direction, m.wave, m.normal, ways);
+        assert_in_range(n, 1, CRYSTAL_WAYS);
+        for (uint32_t k = 0; k < n; k++) {
+            assert_near(vec3_length(ways[k].direction), 1, 1e-6);
+            assert_true(isfinite(ways[k].part) && ways[k].part > 0);
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -198,6 +223,7 @@ int main(void)
         cmocka_unit_test(the_axis_across_keeps_waves_apart),
         cmocka_unit_test(light_is_kept),
         cmocka_unit_test(ways_go_back),
+        cmocka_unit_test(nothing_is_too_much),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
