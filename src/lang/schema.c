@@ -212,11 +212,14 @@ static bool is_name(const char *text)
     return *text && !strchr(digits, *text) && !text[strspn(text, letters)];
 }
 
+enum { LONGEST = 40 }; /* of what is written, in a hint */
+
 static void hint_measure(const Check *check, PropUnit found, Diagnostic *report)
 {
     const NodeType *owner = check->evaluator->target ? check->evaluator->target->type : NULL;
     const char *hint = owner ? habit_measure(owner->name, check->type->name, found) : NULL;
-    if (hint) diag_hint(check->evaluator->diag, report, "%s", hint);
+    const char *written = eval_written(check->evaluator, check->expr->span, LONGEST, "\n", "...");
+    if (hint) diag_hint(check->evaluator->diag, report, "%s", habit_fill(check->evaluator->diag->arena, hint, written));
 }
 
 /* A node that another property is for, a colour for a node that has one, and a name in quotation marks. */
@@ -346,7 +349,6 @@ static void hint_numbers(const Check *check, const Value *value, Diagnostic *rep
 /* A colour where a number says how bright something of another property's colour is. */
 static void hint_brightness(const Check *check, const Value *value, Diagnostic *report)
 {
-    enum { LONGEST = 40 };
     static const char *const colors[] = {"color", "emission"};
     const NodeType *owner = check->evaluator->target ? check->evaluator->target->type : NULL;
     if (!owner || (value->kind != VALUE_COLOR && value->kind != VALUE_VECTOR3) ||
