@@ -53,6 +53,11 @@ static Vec3c cross(Vec3c a, Vec3c b)
                    subtract(multiply(a.x, b.y), multiply(a.y, b.x))};
 }
 
+static Complex dot(Vec3c a, Vec3 b)
+{
+    return (Complex){a.x.re * b.x + a.y.re * b.y + a.z.re * b.z, a.x.im * b.x + a.y.im * b.y + a.z.im * b.z};
+}
+
 static Vec3c from_real(Vec3 a)
 {
     return (Vec3c){real(a.x), real(a.y), real(a.z)};
@@ -103,12 +108,10 @@ static Vec3c electric_of(const Side *side, bool extraordinary, Vec3c k)
     if (side->isotropic || square_of(across.x) + square_of(across.y) + square_of(across.z) < least)
         return extraordinary ? cross(k, y) : y;
     if (!extraordinary) return across;
-    const double *axis = &side->axis.x;
-    Complex along = {k.x.re * axis[0] + k.y.re * axis[1] + k.z.re * axis[2],
-                     k.x.im * axis[0] + k.y.im * axis[1] + k.z.im * axis[2]};
-    return (Vec3c){subtract(multiply(along, k.x), real(side->ordinary * axis[0])),
-                   subtract(multiply(along, k.y), real(side->ordinary * axis[1])),
-                   subtract(multiply(along, k.z), real(side->ordinary * axis[2]))};
+    const Complex along = dot(k, side->axis);
+    return (Vec3c){subtract(multiply(along, k.x), scale(c.x, side->ordinary)),
+                   subtract(multiply(along, k.y), scale(c.y, side->ordinary)),
+                   subtract(multiply(along, k.z), scale(c.z, side->ordinary))};
 }
 
 static Wave wave_of(const Side *side, bool extraordinary, Vec3c k, bool goes)
