@@ -171,14 +171,15 @@ static void put_components(const Wave *wave, double sign, Complex column[WAVES])
     column[3] = scale(wave->magnetic.y, sign);
 }
 
-/* Amplitudes of four waves, by columns of their components, for two sums of these. The columns are used up. */
-static void solve(Complex columns[WAVES][WAVES], Complex sums[2][WAVES])
+/* Amplitudes of four waves, by columns of their components, for up to two sums of these. The columns are used up. */
+static void solve(Complex columns[WAVES][WAVES], Complex sums[2][WAVES], uint32_t n_sums)
 {
+    const int n = WAVES + (int)n_sums;
     for (int i = 0; i < WAVES; i++) {
         int largest = i;
         for (int row = i + 1; row < WAVES; row++)
             if (square_of(columns[i][row]) > square_of(columns[i][largest])) largest = row;
-        for (int k = 0; k < WAVES + 2; k++) {
+        for (int k = 0; k < n; k++) {
             Complex *column = k < WAVES ? columns[k] : sums[k - WAVES], swapped = column[i];
             column[i] = column[largest];
             column[largest] = swapped;
@@ -186,13 +187,13 @@ static void solve(Complex columns[WAVES][WAVES], Complex sums[2][WAVES])
         for (int row = 0; row < WAVES; row++) {
             if (row == i) continue;
             const Complex factor = divide(columns[i][row], columns[i][i]);
-            for (int k = i + 1; k < WAVES + 2; k++) {
+            for (int k = i + 1; k < n; k++) {
                 Complex *column = k < WAVES ? columns[k] : sums[k - WAVES];
                 column[row] = subtract(column[row], multiply(factor, column[i]));
             }
         }
     }
-    for (int k = 0; k < 2; k++)
+    for (uint32_t k = 0; k < n_sums; k++)
         for (int i = 0; i < WAVES; i++) sums[k][i] = divide(sums[k][i], columns[i][i]);
 }
 
@@ -261,7 +262,7 @@ uint32_t crystal_meet(const CrystalSide *from, const CrystalSide *to, Vec3 direc
     const uint32_t n_coming = wave == CRYSTAL_UNPOLARIZED ? 2 : 1;
     Wave coming[2], left[WAVES];
     Complex columns[WAVES][WAVES], amplitudes[2][WAVES];
-    for (uint32_t i = 0; i < 2; i++) {
+    for (uint32_t i = 0; i < n_coming; i++) {
         coming[i] = wave_of(&sides[0], n_coming == 2 ? i == 1 : wave == CRYSTAL_EXTRAORDINARY, k, true);
         put_components(&coming[i], -1, amplitudes[i]);
         if (!(flow(&coming[i]) > grazing)) return mirror(direction, wave, normal, ways);
@@ -271,7 +272,7 @@ uint32_t crystal_meet(const CrystalSide *from, const CrystalSide *to, Vec3 direc
         left[i] = leaving(&sides[through], i % 2 == 1, k.x.re, through);
         put_components(&left[i], through ? -1 : 1, columns[i]);
     }
-    solve(columns, amplitudes);
+    solve(columns, amplitudes, n_coming);
     uint32_t n = 0;
     for (uint32_t i = 0; i < WAVES; i++) {
         const Side *side = &sides[i >= 2];

@@ -5,7 +5,7 @@
 
 #include "trace/shade.h"
 
-/* All ways on from there, the brightest not first; see crystal_meet. bends_alike: whether all wavelengths that the path carries go them.
+/* All ways on from there; see crystal_meet. bends_alike: whether all wavelengths that the path carries go them.
  * Of a path that has begun in the crystal, or was scattered there, one of both kinds of waves, by chance. */
 uint32_t path_crystal_ways(Path *path, const Event *event, const SurfacePlace *place, CrystalWay ways[CRYSTAL_WAYS],
                            bool *bends_alike);

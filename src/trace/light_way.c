@@ -1,7 +1,7 @@
 /* light_way.c - where one ray of light goes.
  *
- * It is followed as a path is, by the same steps. Where it parts in two, the stronger part is followed first; the other one later, from
- * the start again: what a way does up to where it parts, the one that it parts from has noted. So no list and no ray is kept.
+ * It is followed as a path is, by the same steps. Where it parts, the strongest part is followed first; the others later, from the start
+ * again: what a way does up to where it parts, the one that it parts from has noted. So no list and no ray is kept.
  * SPDX-License-Identifier: Apache-2.0 */
 #include "trace/light_way.h"
 
