@@ -184,8 +184,7 @@ static void solve(Complex columns[WAVES][WAVES], Complex sums[2][WAVES], uint32_
             column[i] = column[largest];
             column[largest] = swapped;
         }
-        for (int row = 0; row < WAVES; row++) {
-            if (row == i) continue;
+        for (int row = i + 1; row < WAVES; row++) {
             const Complex factor = divide(columns[i][row], columns[i][i]);
             for (int k = i + 1; k < n; k++) {
                 Complex *column = k < WAVES ? columns[k] : sums[k - WAVES];
@@ -194,7 +193,11 @@ static void solve(Complex columns[WAVES][WAVES], Complex sums[2][WAVES], uint32_
         }
     }
     for (uint32_t k = 0; k < n_sums; k++)
-        for (int i = 0; i < WAVES; i++) sums[k][i] = divide(sums[k][i], columns[i][i]);
+        for (int i = WAVES - 1; i >= 0; i--) {
+            for (int known = i + 1; known < WAVES; known++)
+                sums[k][i] = subtract(sums[k][i], multiply(columns[known][i], sums[k][known]));
+            sums[k][i] = divide(sums[k][i], columns[i][i]);
+        }
 }
 
 typedef struct Frame {
