@@ -58,15 +58,21 @@ static bool is_same_index(const Spectrum *a, const Spectrum *b)
     return true;
 }
 
+/* Of unit length; false where that has none. */
+static bool find_axis(Vec3 along, Vec3 *axis)
+{
+    const double largest = vec3_max_abs(along);
+    if (!(largest > 0)) return false;
+    *axis = vec3_normalize(vec3_scale(along, 1 / largest));
+    return true;
+}
+
 static void optic_axis_of(Builder *b, const EvalNode *node, SceneMedium *medium)
 {
     const EvalProp *prop = eval_prop(node, "optic_axis");
     if (!eval_prop(node, "extraordinary_ior")) build_needs(b, node, "optic_axis", "without an 'extraordinary_ior'");
     const Vec3 axis = prop ? vec3(prop->as.vector[0], prop->as.vector[1], prop->as.vector[2]) : vec3(0, 1, 0);
-    const double largest = vec3_max_abs(axis);
-    if (largest > 0)
-        medium->optic_axis = vec3_normalize(vec3_scale(axis, 1 / largest));
-    else
+    if (!find_axis(axis, &medium->optic_axis))
         diag_report(b->diag, D_VALUE_OUT_OF_RANGE, prop->span, "the optic axis is a vector of length 0");
 }
 
@@ -319,10 +325,8 @@ static uint32_t turned(Builder *b, uint32_t number, const Affine *to_world)
     const double same = 1 - 1e-12;
     Scene *scene = b->scene;
     SceneMedium medium = scene->media[number];
-    const Vec3 axis = affine_vector(to_world, medium.optic_axis);
-    const double largest = vec3_max_abs(axis);
-    if (!(largest > 0)) return number; /* the map is reported */
-    medium.optic_axis = vec3_normalize(vec3_scale(axis, 1 / largest));
+    if (!find_axis(affine_vector(to_world, medium.optic_axis), &medium.optic_axis))
+        return number; /* the map is reported */
     for (uint32_t i = number; i < scene->n_media; i++) {
         const SceneMedium *other = &scene->media[i];
         const bool alike = i == number || other->turned_from == number;
@@ -334,19 +338,13 @@ static uint32_t turned(Builder *b, uint32_t number, const Affine *to_world)
     return scene->n_media++;
 }
 
-/* As path_boundary_at has it. */
-static bool is_smooth(const SceneSurface *surface)
-{
-    return !(surface->roughness > 0) && !surface->painted;
-}
-
 void build_fill_object(Builder *b, const EvalProp *interior, uint32_t number, const Affine *frame)
 {
     SceneObject *object = &b->scene->objects[number];
     object->medium = build_medium_of(b, interior->as.node, object->name);
     const SceneMedium *medium = &b->scene->media[object->medium];
     if (!medium->refracts_doubly) return;
-    if (object->surface != SCENE_NONE && !is_smooth(&b->scene->surfaces[object->surface]))
+    if (object->surface != SCENE_NONE && !surface_is_clear(&b->scene->surfaces[object->surface]))
         diag_report(
             b->diag, D_ONE_IMAGE, interior->span,
             "the surface of %s is not smooth and clear: light is bent there by the ordinary index of '%s' alone",

@@ -16,6 +16,13 @@ static void move_volume(Finder *f, const SceneMedium *medium, const char *what, 
     if (place && then) motion_of_map(f, &place->motion, &place->to_frame, &then->to_frame);
 }
 
+/* Whichever way a crystal lies: while the shutter is open its axis is as at the beginning. */
+static uint64_t still_hash(SceneMedium medium)
+{
+    medium.optic_axis = vec3(0, 1, 0);
+    return scene_medium_hash(&medium);
+}
+
 static void compare_media(Finder *f, uint32_t row, uint32_t row_then)
 {
     SceneMedium a = f->scene->media[row], b = f->other->media[row_then];
@@ -23,8 +30,7 @@ static void compare_media(Finder *f, uint32_t row, uint32_t row_then)
     move_volume(f, &a, "the temperature of ", scene_volume_row(f->scene, a.temperature),
                 scene_volume_row(f->other, b.temperature));
     a.density = b.density = a.temperature = b.temperature = NULL; /* theirs is compared */
-    a.optic_axis = b.optic_axis; /* of what turns: as at the beginning, while the shutter is open */
-    if (scene_medium_hash(&a) != scene_medium_hash(&b) || a.reference_k != b.reference_k || a.priority != b.priority)
+    if (still_hash(a) != still_hash(b) || a.reference_k != b.reference_k || a.priority != b.priority)
         motion_report(f, &a.span, "medium ", a.name);
 }
 
@@ -33,10 +39,7 @@ static void match_media(Finder *f, const SceneObject *object, uint32_t row, uint
     uint32_t known = f->medium_then[row];
     if (known == row_then) return;
     if (known != SCENE_NONE) { /* of all that it fills it becomes another one here */
-        const SceneMedium *media = f->other->media;
-        SceneMedium same = media[known];
-        same.optic_axis = media[row_then].optic_axis;
-        if (scene_medium_hash(&same) != scene_medium_hash(&media[row_then]))
+        if (still_hash(f->other->media[known]) != still_hash(f->other->media[row_then]))
             motion_report(f, &object->span, "the medium of ", object->name);
         return;
     }

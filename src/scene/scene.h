@@ -329,6 +329,11 @@ typedef struct Scene {
 } Scene;
 
 void scene_free(Scene *scene); /* NULL is fine */
+/* Whether the boundary of a clear object that has it only bends and mirrors: it is smooth, and clear in all parts. */
+static inline bool surface_is_clear(const SceneSurface *surface)
+{
+    return !(surface->roughness > 0) && !surface->painted;
+}
 /* Whether anything of a surface depends on the place. */
 static inline bool surface_has_relief(const SceneSurface *surface)
 {

@@ -227,7 +227,7 @@ static bool is_clear(const CompiledScene *compiled, uint32_t number)
         return false;
     if (object->surface == SCENE_NONE) return true;
     const SceneSurface *surface = &scene->surfaces[object->surface];
-    return !(surface->roughness > 0) && !surface->painted && !surface->mixed && !surface_has_relief(surface);
+    return surface_is_clear(surface) && !surface->mixed && !surface_has_relief(surface);
 }
 
 /* Whether an object is of a medium of another index than what is outside, or of a combination that is. */

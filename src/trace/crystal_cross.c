@@ -4,8 +4,7 @@
 
 #include "optics/crystal.h"
 
-/* At the wavelength of the hero. */
-static CrystalSide side_of(Path *path, uint32_t medium, bool *bends_alike)
+CrystalSide path_crystal_side(Path *path, uint32_t medium, bool *bends_alike)
 {
     const SceneMedium *row = &path->tracer->world->scene->media[medium];
     const Lanes ordinary = path_ior(path, medium), extraordinary = path_extraordinary(path, medium);
@@ -34,16 +33,15 @@ static bool keep_sides(const CrystalWay *ways, uint32_t n, Vec3 geometric)
 uint32_t path_crystal_ways(Path *path, const Event *event, const SurfacePlace *place, CrystalWay ways[CRYSTAL_WAYS],
                            bool *bends_alike)
 {
-    enum { MOST_TOTAL = 8 }; /* in a row, by a smooth normal that no face has: see let_out in shade.c */
     *bends_alike = true;
-    const CrystalSide from = side_of(path, event->crossing.medium_from, bends_alike),
-                      to = side_of(path, event->crossing.medium_to, bends_alike);
+    const CrystalSide from = path_crystal_side(path, event->crossing.medium_from, bends_alike),
+                      to = path_crystal_side(path, event->crossing.medium_to, bends_alike);
     const CrystalWave wave = wave_of(path, &from);
     const Vec3 direction = vec3_normalize(vec3_from_f(path->ray.direction)),
                geometric = vec3_normalize(vec3_from_f(place->geometric)),
                normal = vec3_normalize(vec3_from_f(place->normal));
     uint32_t n = crystal_meet(&from, &to, direction, wave, normal, ways);
-    bool good = keep_sides(ways, n, geometric) && (ways[n - 1].through || path->total_reflections < MOST_TOTAL);
+    bool good = keep_sides(ways, n, geometric) && (ways[n - 1].through || path->total_reflections < PATH_MOST_TOTAL);
     return good ? n : crystal_meet(&from, &to, direction, wave, geometric, ways);
 }
 

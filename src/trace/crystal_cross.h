@@ -5,6 +5,8 @@
 
 #include "trace/shade.h"
 
+/* A medium on one side of a boundary, at the wavelength of the hero. *bends_alike: becomes false where others have other indices. */
+CrystalSide path_crystal_side(Path *path, uint32_t medium, bool *bends_alike);
 /* All ways on from there; see crystal_meet. bends_alike: whether all wavelengths that the path carries go them.
  * Of a path that has begun in the crystal, or was scattered there, one of both kinds of waves, by chance. */
 uint32_t path_crystal_ways(Path *path, const Event *event, const SurfacePlace *place, CrystalWay ways[CRYSTAL_WAYS],

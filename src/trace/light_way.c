@@ -177,9 +177,8 @@ static void meet_opaque(Path *path, const Event *event, Meeting *met)
 
 static float index_of(Path *path, uint32_t medium)
 {
-    const SceneMedium *row = &path->tracer->world->scene->media[medium];
-    const CrystalSide side = {(double)lanes_get(path_ior(path, medium), 0),
-                              (double)lanes_get(path_extraordinary(path, medium), 0), row->optic_axis};
+    bool bends_alike = true;
+    const CrystalSide side = path_crystal_side(path, medium, &bends_alike);
     return (float)crystal_ray_index(&side, path->wave, vec3_from_f(path->ray.direction));
 }
 

@@ -574,8 +574,7 @@ static void note_turn(Path *path, const BoundaryChoice *choice, bool bends_alike
  * has: its rim would be dark. After a few of these in a row it gets out where the face itself lets it. */
 ATTR_COLD static void let_out(Path *path, const SurfacePlace *place, Lanes eta_i, Lanes eta_t, BoundaryChoice *choice)
 {
-    enum { MOST_TOTAL = 8 };
-    if (path->total_reflections < MOST_TOTAL) return;
+    if (path->total_reflections < PATH_MOST_TOTAL) return;
     Decision decision = path->decision;
     BoundaryChoice flat;
     choose_at_boundary(path, place, true, eta_i, eta_t, &flat);

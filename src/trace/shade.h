@@ -60,6 +60,8 @@ bool path_sees_light(Path *path, const LightSample *light, Ray *ray, Lanes *tran
 bool path_light_arrives(Path *path, const LightSample *light, Ray *ray, Lanes *basic);
 /* Adds that, scattered by the factor, weighted against finding the light by a direction of density pdf_w, or by the guide. */
 void path_add_direct_light(Path *path, const LightSample *light, Ray *ray, Lanes scattered, float pdf_w);
+/* After so many total reflections in a row a path meets the face itself, not its smooth normal: see let_out in shade.c. */
+enum { PATH_MOST_TOTAL = 8 };
 /* True with that probability: by a random number of its own at boundaries, one after another. */
 bool path_decide(Path *path, float probability);
 /* path_start_ray where an event has several surfaces. */

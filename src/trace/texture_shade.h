@@ -41,7 +41,7 @@ static inline const BsdfSpec *path_boundary_at(const Path *path, const Event *ev
                                                SurfacePlace *place, BsdfSpec *room)
 {
     if (!surface) return NULL;
-    if (surface->roughness > 0 || surface->painted) return path_spec_at(path, event, surface, place, room);
+    if (!surface_is_clear(surface)) return path_spec_at(path, event, surface, place, room);
     if (surface_has_relief(surface)) path_relief(path, event, surface, 0, place);
     return NULL;
 }

@@ -114,23 +114,21 @@ static void images_are_two(void **state)
 static void the_axis_turns_with_the_object(void **state)
 {
     (void)state;
-    static const char *const turns[] = {"", "rotate(y, 90)", "group { rotate(y, 45)  translate(<0, 1, 0>)", NULL};
-    static const char *const axes[] = {"<1, .6, 0>", "<0, .6, -1>", "<.70710678, .6, -.70710678>"};
-    for (size_t i = 1; turns[i]; i++) {
+    static const struct {
+        const char *group, *turn, *end, *axis; /* the same axis, by itself */
+    } rows[] = {{"", "rotate(y, 90)", "", "<0, .6, -1>"},
+                {"group { rotate(y, 45)", "", "}", "<.70710678, .6, -.70710678>"}};
+    for (size_t i = 0; i < COUNT_OF(rows); i++) {
         Estimate both[2];
         for (int turned = 0; turned < 2; turned++) {
             char text[1200];
-            const bool grouped = strncmp(turns[i], "group", 5) == 0;
             snprintf(
                 text, sizeof text,
                 "meniscus 1.0 unit mm medium calcite { ior = 1.6584  extraordinary_ior = 1.4864  optic_axis = %s }\n"
                 "%s cylinder { interior = calcite  from = <0, 0, 0>  to = <0, 10, 0>  radius = 60  %s } %s\n"
                 "camera { from = <30, 40, 9>  to = <0, 10, 0>  projection = orthographic  width = .001 }" TRUTH_SKY,
-                turned ? axes[0] : axes[i],
-                turned && grouped ? turns[i]
-                : grouped         ? "group { translate(<0, 1, 0>)"
-                                  : "",
-                turned && !grouped ? turns[i] : "", grouped ? "}" : "");
+                turned ? "<1, .6, 0>" : rows[i].axis, turned ? rows[i].group : "", turned ? rows[i].turn : "",
+                turned ? rows[i].end : "");
             both[turned] = truth_measure(text, truth_two_skies, 4096, false);
         }
         truth_alike("a crystal that is turned, and one whose axis is", both[0], both[1], 4, 0.005);
