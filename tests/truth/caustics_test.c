@@ -260,7 +260,8 @@ static void same_mean(void **state)
     "light { shape = distant  from = <.5, 1, .3>  to = <0, 0, 0>  angle = 1deg  power = 5 }\n"
 
 /* The same, as the total of a picture that shows other things here and there. */
-static Measured measure_total(const char *begin, const char *water, const char *end, uint32_t samples)
+static Measured measure_total(const char *begin, const char *water, const char *end, uint32_t samples,
+                              SceneCaustics caustics)
 {
     enum { PICTURE = 24 };
     char text[2000];
@@ -269,7 +270,7 @@ static Measured measure_total(const char *begin, const char *water, const char *
     assert_in_range(snprintf(text, sizeof text, "%s%s%s", begin, water, end), 1, sizeof text - 1);
     truth_open(&scene, (TruthInput){.text = text, .policy = NEST_AUTOMATIC});
     RenderSettings settings = truth_settings(PICTURE, samples);
-    settings.caustics = CAUSTICS_ON;
+    settings.caustics = caustics;
     truth_render(&scene, &settings, 0, &picture);
     assert_int_equal(picture.stats.nesting_faults, 0);
     Measured measured = {truth_total(&picture), picture.stats.guide, picture.stats.cpu_seconds};
@@ -293,12 +294,40 @@ static void seas_without_end(void **state)
         {"a sea, up to its horizon", "camera { from = <0, 7600, 0>  to = <0, 7000, -3000>  fov = 60 }\n"},
     };
     for (size_t i = 0; i < COUNT_OF(views); i++) {
-        Measured endless = measure_total("meniscus 1.0 unit mm\n" SEA_LIGHT, SEA, views[i].camera, 200),
-                 box = measure_total("meniscus 1.0 unit mm\n" SEA_LIGHT, LARGE_BOX, views[i].camera, 200);
+        Measured endless = measure_total("meniscus 1.0 unit mm\n" SEA_LIGHT, SEA, views[i].camera, 200, CAUSTICS_ON),
+                 box = measure_total("meniscus 1.0 unit mm\n" SEA_LIGHT, LARGE_BOX, views[i].camera, 200, CAUSTICS_ON);
         assert_true(endless.guide.landed > 0);
         truth_alike(views[i].what, box.mean, endless.mean, 4, 0.03);
         printf("    %-66s %.2g times the error of a box\n", "", endless.mean.error / box.mean.error);
         assert_true(endless.mean.error < 0.01 * endless.mean.mean);
+    }
+}
+
+/* A lake 40 or 200 m wide with waves of some millimetres, of which the picture shows some 4 m: photons go where it looks, and find what
+ * chance does with as little noise as in a pond hardly wider than that. What they do not look at is dark. */
+#define LAKE_LIGHT                                                                                                     \
+    "meniscus 1.0 unit mm\nmedium water { ior = 1.333  state = liquid } environment { color = .1 }\n"                  \
+    "def seen(p) = max(abs(p.x), abs(p.z)) < 2500 ? .5 : .001\n"                                                       \
+    "ground { surface = surface { albedo = seen } }\n"                                                                 \
+    "light { shape = distant  from = <.5, 1, .3>  to = <0, 0, 0>  angle = 6deg  power = 5 }\n"
+#define LAKE(wide)                                                                                                     \
+    "box { interior = water  from = <-" wide ", -1000, -" wide ">  to = <" wide ", 3000, " wide ">\n"                  \
+    "  surface = surface { bump = noise { scale(900) }  bump_height = 40 } }\n"
+
+static void wide_lakes(void **state)
+{
+    (void)state;
+    const char *camera = "camera { from = <0, 7600, 0>  to = <0, 0, 1>  fov = 40 }\n";
+    const struct {
+        const char *what, *water;
+    } lakes[] = {{"a lake of 40 m", LAKE("20000")}, {"a lake of 200 m", LAKE("100000")}};
+    Measured pond = measure_total(LAKE_LIGHT, LAKE("5000"), camera, 200, CAUSTICS_ON);
+    for (size_t i = 0; i < COUNT_OF(lakes); i++) {
+        Measured led = measure_total(LAKE_LIGHT, lakes[i].water, camera, 200, CAUSTICS_ON),
+                 chance = measure_total(LAKE_LIGHT, lakes[i].water, camera, 4000, CAUSTICS_OFF);
+        truth_alike(lakes[i].what, chance.mean, led.mean, 4, 0.03);
+        printf("    %-66s %.2g times the error of a pond\n", "", led.mean.error / pond.mean.error);
+        assert_true(led.mean.error < 2 * pond.mean.error);
     }
 }
 
@@ -399,8 +428,11 @@ static void guides_unasked(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(closed_forms),     cmocka_unit_test(same_mean),
-        cmocka_unit_test(seas_without_end), cmocka_unit_test(any_threads_and_idle_scenes),
+        cmocka_unit_test(closed_forms),
+        cmocka_unit_test(same_mean),
+        cmocka_unit_test(seas_without_end),
+        cmocka_unit_test(wide_lakes),
+        cmocka_unit_test(any_threads_and_idle_scenes),
         cmocka_unit_test(guides_unasked),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
