@@ -141,6 +141,18 @@ bool report_adds(const Scene *scene, uint32_t mixing, uint32_t owner)
     return scene_mixing_state(&scene->media[mixing], false) == scene_mixing_state(&scene->media[owner], owner == 0);
 }
 
+bool report_goes_on_in(const CompiledScene *compiled, const HullPair *pair, uint32_t hull)
+{
+    const uint32_t a = compiled->hull_of_object[pair->a], b = compiled->hull_of_object[pair->b];
+    const NestHull *hulls = compiled->hulls;
+    if (!pair->overlaps || hulls[a].medium != hulls[b].medium) return false;
+    if (pair->relation == (hull == a ? NEST_A_IN_B : NEST_B_IN_A)) return true;
+    /* of hulls that coincide neither is said to be within the other one; what they share is an estimate */
+    return hulls[a].volume == hulls[b].volume &&
+           memcmp(&compiled->hull_bounds[a], &compiled->hull_bounds[b], sizeof compiled->hull_bounds[a]) == 0 &&
+           pair->overlap_volume + 4 * pair->overlap_volume_error >= hulls[a].volume;
+}
+
 ReportVerdict report_verdict(const CompiledScene *compiled, const HullPair *pair)
 {
     uint32_t a = compiled->hull_of_object[pair->a], b = compiled->hull_of_object[pair->b];

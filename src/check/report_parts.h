@@ -52,6 +52,8 @@ typedef struct ReportVerdict {
     uint32_t top, bottom; /* hulls */
 } ReportVerdict;
 ReportVerdict report_verdict(const CompiledScene *compiled, const HullPair *pair);
+/* Whether a hull of a pair is of the other one's medium, and all of it within that. */
+bool report_goes_on_in(const CompiledScene *compiled, const HullPair *pair, uint32_t hull);
 /* By how much of the larger one their volumes differ. What is closer may be turned over by a small change. */
 #define REPORT_CLOSE_VOLUMES 0.05
 double report_volumes_differ(const CompiledScene *compiled, const ReportVerdict *verdict);

@@ -177,6 +177,42 @@ static bool hint_at_cut(Remarks *r, Diagnostic *report, uint32_t hull)
     return false;
 }
 
+/* An equal object of the same medium at the same place; SCENE_NONE. */
+static uint32_t twin_of(const CompiledScene *compiled, uint32_t hull)
+{
+    for (size_t i = 0; i < compiled->n_pairs; i++) {
+        const HullPair *pair = &compiled->pairs[i];
+        uint32_t a = compiled->hull_of_object[pair->a], b = compiled->hull_of_object[pair->b];
+        if ((a == hull || b == hull) && report_goes_on_in(compiled, pair, a) && report_goes_on_in(compiled, pair, b))
+            return a == hull ? pair->b : pair->a;
+    }
+    return SCENE_NONE;
+}
+
+/* Nothing is said of glasses of the library: several at one place are how liquids are poured on each other. */
+static void remark_one_indifferent(Remarks *r, uint32_t hull, bool merges, Tally *tally)
+{
+    const CompiledScene *compiled = r->compiled;
+    const SceneObject *object = report_object(compiled, hull);
+    const SceneMedium *medium = &r->scene->media[compiled->hulls[hull].medium];
+    const uint32_t twin = twin_of(compiled, hull);
+    if ((twin != SCENE_NONE && object->of_library && r->scene->objects[twin].of_library) || !tally_next(tally)) return;
+    bool other = !merges && compiled->hulls[hull].medium != NEST_WORLD_MEDIUM; /* and looks the same */
+    Diagnostic *report =
+        twin == SCENE_NONE
+            ? diag_report(r->diag, D_INVISIBLE_OBJECT, object->span,
+                          "nothing would change without %s: it is of %s%s%s, and so %s all that it is in",
+                          object->name, medium->name, other ? ", which looks like " : "",
+                          other ? r->scene->media[NEST_WORLD_MEDIUM].name : "", other ? "does" : "is")
+            : diag_report(r->diag, D_INVISIBLE_OBJECT, object->span,
+                          "nothing would change without %s: %s is as large, at the same place, and of %s, too",
+                          object->name, r->scene->objects[twin].name, medium->name);
+    if (twin != SCENE_NONE)
+        diag_note(r->diag, report, r->scene->objects[twin].span, "%s is here", r->scene->objects[twin].name);
+    else if (!hint_at_cut(r, report, hull) && compiled->hulls[hull].medium != NEST_WORLD_MEDIUM && !other)
+        diag_hint(r->diag, report, "a hollow in a body is one of air: interior = air");
+}
+
 static void remark_indifferent(Remarks *r)
 {
     const CompiledScene *compiled = r->compiled;
@@ -194,16 +230,8 @@ static void remark_indifferent(Remarks *r)
         bool clear = !medium->absorbs && !medium->scatters && !medium->emits &&
                      spectrum_at_one(&medium->ior, 550) == spectrum_at_one(&r->scene->media[0].ior, 550);
         if ((!suspect[h] && !clear) || is_one_of_many(r, h)) continue;
-        if (report_look_at(compiled, &r->probe, h, n_lines) != REPORT_INDIFFERENT || !tally_next(&tally)) continue;
-        const SceneObject *object = report_object(compiled, h);
-        bool other = !suspect[h] && compiled->hulls[h].medium != NEST_WORLD_MEDIUM; /* and looks the same */
-        Diagnostic *report =
-            diag_report(r->diag, D_INVISIBLE_OBJECT, object->span,
-                        "nothing would change without %s: it is of %s%s%s, and so %s all that it is in", object->name,
-                        medium->name, other ? ", which looks like " : "",
-                        other ? r->scene->media[NEST_WORLD_MEDIUM].name : "", other ? "does" : "is");
-        if (!hint_at_cut(r, report, h) && compiled->hulls[h].medium != NEST_WORLD_MEDIUM && !other)
-            diag_hint(r->diag, report, "a hollow in a body is one of air: interior = air");
+        if (report_look_at(compiled, &r->probe, h, n_lines) == REPORT_INDIFFERENT)
+            remark_one_indifferent(r, h, suspect[h], &tally);
     }
     tally_end(r, &tally);
     free(suspect);

@@ -88,13 +88,20 @@ static void warn_of_gaps(const CompiledScene *compiled, Diag *diag)
 
 /* ---- hidden objects ---- */
 
-/* Only a hull that is below another one somewhere can be hidden. */
+/* Only a hull that is below another one somewhere can be hidden, and none that goes on in another one of its medium: of two
+ * equal glasses at one place, each poured with a liquid of its own, one is enough to be seen. */
 static void mark_lower(const CompiledScene *compiled, bool *lower)
 {
     for (size_t i = 0; i < compiled->n_pairs; i++) {
         if (!compiled->pairs[i].overlaps) continue;
         ReportVerdict verdict = report_verdict(compiled, &compiled->pairs[i]);
         if (verdict.kind == VERDICT_RULE || verdict.kind == VERDICT_CIRCLE) lower[verdict.bottom] = true;
+    }
+    for (size_t i = 0; i < compiled->n_pairs; i++) {
+        const HullPair *pair = &compiled->pairs[i];
+        uint32_t a = compiled->hull_of_object[pair->a], b = compiled->hull_of_object[pair->b];
+        if (report_goes_on_in(compiled, pair, a)) lower[a] = false;
+        if (report_goes_on_in(compiled, pair, b)) lower[b] = false;
     }
 }
 
