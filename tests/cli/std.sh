@@ -255,6 +255,11 @@ printf 'meniscus 1.0 unit cm\nuse "std/glassware.mns" as g\nuse "std/media.mns" 
 run check brim.mns
 exits 3
 says err "error: the level of 220 mm is not between the floor at 16 mm and the rim at 220 mm"
+printf 'meniscus 1.0 unit cm\nuse "std/glassware.mns" as g\n%s\n' \
+    'g.vessel { outside = [<.45, 2>, <4, 10>, <4, 20>]  inside = [<0, 2>, <3.8, 10>, <3.8, 20>] }' > floor.mns
+run check floor.mns
+exits 3
+says err "floor.mns:3:1: error: the floor inside, at 20 mm, is not above the middle of the foot, at 20 mm"
 end
 
 begin "std: a drink is as much as its level says, in a shallow bowl and around a punt"
