@@ -125,6 +125,14 @@ static bool is_chance(const CompiledScene *compiled, uint32_t hull, uint32_t n_b
     return n > n_buried;
 }
 
+/* Whether it comes out above what it is buried in, and so may be meant to stand on it; a cornea comes out of the side of its eye. */
+static bool stands_out(const CompiledScene *compiled, uint32_t hull, uint32_t object)
+{
+    const Scene *scene = compiled->scene;
+    return scene_is_plane(scene, object) || is_sheet(scene, object) ||
+           compiled->hull_bounds[hull].max.y > scene_object_bounds(scene, &scene->objects[object], NULL).max.y;
+}
+
 static void report_one(const CompiledScene *compiled, uint32_t hull, const Buried *buried, uint32_t n, Diag *diag)
 {
     const SceneObject *object = report_object(compiled, hull), *opaque = &compiled->scene->objects[buried->object];
@@ -139,8 +147,12 @@ static void report_one(const CompiledScene *compiled, uint32_t hull, const Burie
                     opaque->name);
     if (n > 1) diag_note_nowhere(diag, report, "and so do %u more that this line places", (unsigned)(n - 1));
     diag_note(diag, report, opaque->span, "%s is here", opaque->name);
-    diag_hint(diag, report, "its lowest place is at y = %.4g: to stand on %s, it is to be lifted by translate()",
-              compiled->hull_bounds[hull].min.y, opaque->name);
+    if (stands_out(compiled, hull, buried->object))
+        diag_hint(diag, report, "its lowest place is at y = %.4g: to stand on %s, it is to be lifted by translate()",
+                  compiled->hull_bounds[hull].min.y, opaque->name);
+    else
+        diag_hint(diag, report, "let it come further out of %s, or cut a hollow for it: difference { ... }",
+                  opaque->name);
 }
 
 /* Of liquids a basin that is filled may hold as much. Where memory ends there is no remark. */

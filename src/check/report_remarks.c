@@ -201,8 +201,8 @@ static void remark_one_indifferent(Remarks *r, uint32_t hull, bool merges, Tally
     Diagnostic *report =
         twin == SCENE_NONE
             ? diag_report(r->diag, D_INVISIBLE_OBJECT, object->span,
-                          "nothing would change without %s: it is of %s%s%s, and so %s all that it is in",
-                          object->name, medium->name, other ? ", which looks like " : "",
+                          "nothing would change without %s: it is of %s%s%s, and so %s all that it is in", object->name,
+                          medium->name, other ? ", which looks like " : "",
                           other ? r->scene->media[NEST_WORLD_MEDIUM].name : "", other ? "does" : "is")
             : diag_report(r->diag, D_INVISIBLE_OBJECT, object->span,
                           "nothing would change without %s: %s is as large, at the same place, and of %s, too",

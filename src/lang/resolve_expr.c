@@ -455,10 +455,13 @@ static void resolve_args(Resolver *resolver, Args *args)
 
 static void no_names(Resolver *resolver, const Args *args, const char *function)
 {
-    for (uint32_t i = 0; i < args->n; i++)
-        if (args->items[i].name)
-            diag_report(resolver->diag, D_WRONG_ARGUMENT, args->items[i].name_span,
-                        "the arguments of '%s' have no names", function);
+    for (uint32_t i = 0; i < args->n; i++) {
+        if (!args->items[i].name) continue;
+        Diagnostic *report = diag_report(resolver->diag, D_WRONG_ARGUMENT, args->items[i].name_span,
+                                         "the arguments of '%s' have no names", function);
+        if (schema_node(resolver->schema, function)) /* noise is a pattern, too */
+            diag_hint(resolver->diag, report, "a node's properties stand in braces: %s { ... }", function);
+    }
 }
 
 static void check_count(Resolver *resolver, Expr *expr, unsigned min, unsigned max)
