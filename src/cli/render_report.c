@@ -45,12 +45,14 @@ static const char *file_of(const RenderRun *run, bool png)
 static void remark_exposure(const RenderRun *run, const char *what, int stops)
 {
     const char *exr = file_of(run, false), *png = file_of(run, true), *more = stops > 0 ? "more" : "less";
-    double factor = exp2(abs(stops)), exposure = look_of(run).exposure.stops + stops;
+    double exposure = look_of(run).exposure.stops + stops;
+    char factor[24];
+    snprintf(factor, sizeof factor, abs(stops) < 20 ? "%.0f" : "%.3g", exp2(abs(stops)));
     if (exr)
-        talk_remark(run->talk, "%s: give it %.3g times %s light, or: meniscus view %s -o %s --exposure %g", what,
-                    factor, more, exr, png ? png : "FILE.png", exposure);
+        talk_remark(run->talk, "%s: give it %s times %s light, or: meniscus view %s -o %s --exposure %g", what, factor,
+                    more, exr, png ? png : "FILE.png", exposure);
     else
-        talk_remark(run->talk, "%s: give it %.3g times %s light, or film { exposure = %g }", what, factor, more,
+        talk_remark(run->talk, "%s: give it %s times %s light, or film { exposure = %g }", what, factor, more,
                     exposure);
 }
 
