@@ -342,9 +342,21 @@ static bool report_free_node(Resolver *resolver, const Stmt *stmt)
     return true;
 }
 
+/* Whether it is in the block of what takes none, which is told so as a whole. */
+static bool is_in_refused_block(const Resolver *resolver)
+{
+    if (!resolver->call) return false;
+    const Expr *call = resolver->call->as.call.call;
+    return call->kind != EXPR_CALL_DEF || !call->as.call.to.def->block;
+}
+
 /* Often a declaration, or a change of a var, as other languages write them. */
 static void report_free_property(Resolver *resolver, const Stmt *stmt)
 {
+    if (is_in_refused_block(resolver)) {
+        declare_poison(resolver, stmt->as.prop.name, stmt->span);
+        return;
+    }
     if (report_free_node(resolver, stmt)) return;
     const char *name = stmt->as.prop.name->text;
     const Binding *binding = stmt->as.prop.name->binding;
