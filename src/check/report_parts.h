@@ -108,6 +108,9 @@ void report_vessels(const CompiledScene *compiled, Diag *diag);
 /* Remarks on liquids that come out through the wall of the solid that holds them. */
 void report_leaks(const CompiledScene *compiled, Diag *diag);
 
+/* And on those that stand higher than its rim. */
+void report_brims(const CompiledScene *compiled, Diag *diag);
+
 /* Remarks on objects that are wholly inside of an opaque one; see report_enclosed_lights for what shines. */
 void report_enclosed(const CompiledScene *compiled, Diag *diag);
 

@@ -714,6 +714,7 @@ void report_remarks(const CompiledScene *compiled, Diag *diag)
         report_portals(compiled, diag);
         remark_loose_liquid(&r);
         report_leaks(compiled, diag);
+        report_brims(compiled, diag);
         remark_cameras(&r);
         remark_covered_cameras(&r, 0, r.scene->n_cameras);
         remark_beyond_poles(&r);
