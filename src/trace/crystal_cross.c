@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "trace/crystal_cross.h"
 
+#include <string.h>
+
 #include "optics/crystal.h"
 
 CrystalSide path_crystal_side(Path *path, uint32_t medium, bool *bends_alike)
@@ -40,9 +42,16 @@ uint32_t path_crystal_ways(Path *path, const Event *event, const SurfacePlace *p
     const Vec3 direction = vec3_normalize(vec3_from_f(path->ray.direction)),
                geometric = vec3_normalize(vec3_from_f(place->geometric)),
                normal = vec3_normalize(vec3_from_f(place->normal));
-    uint32_t n = crystal_meet(&from, &to, direction, wave, normal, ways);
-    bool good = keep_sides(ways, n, geometric) && (ways[n - 1].through || path->total_reflections < PATH_MOST_TOTAL);
-    return good ? n : crystal_meet(&from, &to, direction, wave, geometric, ways);
+    const uint32_t n = crystal_meet(&from, &to, direction, wave, normal, ways);
+    const bool good = keep_sides(ways, n, geometric);
+    if (good && (ways[n - 1].through || path->total_reflections < PATH_MOST_TOTAL)) return n;
+    CrystalWay flat[CRYSTAL_WAYS];
+    const uint32_t n_flat = crystal_meet(&from, &to, direction, wave, geometric, flat);
+    /* As at other boundaries, the face lets out what has long been within; where it would not, as in a ball that holds it for ever,
+     * relief may. */
+    if (good && !flat[n_flat - 1].through) return n;
+    memcpy(ways, flat, n_flat * sizeof *flat);
+    return n_flat;
 }
 
 static const CrystalWay *choose(Path *path, const CrystalWay *ways, uint32_t n)

@@ -156,6 +156,19 @@ static void crystals_are_not_seen_in_even_light(void **state)
     (void)truth_white("crystals in oil, and in each other", text, 24, 512, 0.002);
 }
 
+/* Light that came in through a bump and that the ball's own surface would hold for ever gets out by other bumps. */
+static void bumps_let_light_out(void **state)
+{
+    (void)state;
+    static const char text[] =
+        "meniscus 1.0 unit mm\n"
+        "medium calcite { ior = 1.65  extraordinary_ior = 1.48  optic_axis = <1, 1, .3> }\n"
+        "def dots(p) = .5 + .5 * sin(200 * p.x) * sin(200 * p.y)\n"
+        "sphere { interior = calcite  radius = 5  surface = surface { bump = dots  bump_height = .3 } }\n"
+        "camera { from = <0, 12, 22>  to = <0, 0, 0>  fov = 24 }\n" TRUTH_WHITE_SKY;
+    (void)truth_white("a ball of calcite with bumps", text, 24, 256, 0.001);
+}
+
 /* The mean of a small picture, of several renders. */
 static Estimate mean_of_pictures(const char *text, SceneCaustics caustics)
 {
@@ -200,6 +213,7 @@ int main(void)
         cmocka_unit_test(images_are_two),
         cmocka_unit_test(the_axis_turns_with_the_object),
         cmocka_unit_test(crystals_are_not_seen_in_even_light),
+        cmocka_unit_test(bumps_let_light_out),
         cmocka_unit_test(caustics_are_found),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
