@@ -93,11 +93,16 @@ static void add_way_on(Meeting *met, WayOn way)
 }
 
 /* Those of a surface that divides light in two. */
-static void add_two_ways(Meeting *met)
+static void add_two_ways(const Path *path, const Event *event, Meeting *met)
 {
+    const bool straight = event->kind == EVENT_OPAQUE || event->crossing.medium_from == event->crossing.medium_to;
     const LightStep *step = &met->step;
     if (step->transmitted > 0)
-        add_way_on(met, (WayOn){.passes = true, .direction = met->on, .part = step->transmitted, .angle = step->on});
+        add_way_on(met, (WayOn){.passes = true,
+                                .direction = met->on,
+                                .part = step->transmitted,
+                                .angle = step->on,
+                                .wave = straight ? path->wave : CRYSTAL_UNPOLARIZED});
     if (step->mirrored > 0 || step->transmitted == 0)
         add_way_on(met, (WayOn){.direction = met->back, .part = step->mirrored});
 }
@@ -203,7 +208,7 @@ static Meeting meet(Path *path, const Event *event)
         meet_boundary(path, event, &met);
     else
         meet_opaque(path, event, &met);
-    if (met.step.turn == LIGHT_PASSES && !met.n_ways) add_two_ways(&met);
+    if (met.step.turn == LIGHT_PASSES && !met.n_ways) add_two_ways(path, event, &met);
     return met;
 }
 

@@ -394,7 +394,6 @@ void path_add_emission(Path *path, const Hit *hit)
 bool path_shade_opaque(Path *path, Event *event)
 {
     Tracer *tracer = path->tracer;
-    path->wave = CRYSTAL_UNPOLARIZED;
     const World *world = tracer->world;
     const ObjectLook *look = &world->looks[event->hit.object];
     path_add_emission(path, &event->hit);
@@ -414,6 +413,7 @@ bool path_shade_opaque(Path *path, Event *event)
         return goes_on;
     }
     if (UNLIKELY(path->probing.is_probe)) return false;
+    path->wave = CRYSTAL_UNPOLARIZED;
     Lanes albedo = spectrum_at(spec == &textured ? &spec->base_color : &surface->albedo, path->wavelengths.nm);
     path->scatter_lights = path_lights(path, event->n_cluster > 1);
     const LookPlace from = {event, &place, path->scatter_lights, place.geometric};

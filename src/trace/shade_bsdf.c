@@ -261,6 +261,13 @@ static bool choose_direction(Path *path, const Bsdf *bsdf, const SurfacePlace *p
     return true;
 }
 
+/* Whether it goes on as if nothing were there: through a sheet, or past paint within one medium. */
+static bool goes_straight(const Event *event, const BsdfSample *sample)
+{
+    return sample->specular && sample->transmitted &&
+           (event->kind == EVENT_OPAQUE || event->crossing.medium_from == event->crossing.medium_to);
+}
+
 /* Light that has gone through a sheet is bent at the boundary in which that lies, and straight looks do not go there. */
 static bool cross_behind_sheet(Path *path, Event *event)
 {
@@ -276,6 +283,8 @@ static bool cross_behind_sheet(Path *path, Event *event)
 static bool scatter(Path *path, Event *event, Bsdf *bsdf, const SurfacePlace *place, const Frame *frame, bool *straight)
 {
     Vec3f view = to_local(frame, vec3f_negate(path->ray.direction)), direction;
+    const CrystalWave wave = path->wave;
+    path->wave = CRYSTAL_UNPOLARIZED; /* of what is scattered here, and looked for from here */
     bsdf_look(bsdf, view);
     GuideAt guide = {.share = 0};
     const LightChoices *lights = path_lights(path, bsdf->transmits || event->n_cluster > 1);
@@ -320,9 +329,11 @@ static bool scatter(Path *path, Event *event, Bsdf *bsdf, const SurfacePlace *pl
     path->ratio = lanes_mul(path->ratio, lanes_scale(sample.pdf_w, 1 / hero));
     if (UNLIKELY(on && event->n_cluster > 1) && path_passes_into_boundary(path, event)) {
         *straight = false;
+        path->wave = wave;
         return cross_behind_sheet(path, event);
     }
     path_leave(path, event, place, sample.transmitted, direction);
+    if (goes_straight(event, &sample)) path->wave = wave;
     path->ray.sight = sight;
     return true;
 }

@@ -135,6 +135,32 @@ static void the_axis_turns_with_the_object(void **state)
     }
 }
 
+/* A sheet that is seen nowhere, and paint that lets all through, leave each wave as it is: its direction, and what is absorbed of it. */
+static void sheets_leave_waves_alone(void **state)
+{
+    (void)state;
+    static const char *const within[] = {
+        "box { from = <-50, 4, -50>  to = <50, 6, 50>  surface = surface { thin = true  ior = 1  transmission = 1  "
+        "specular = 0 } }",
+        "box { interior = two_colors  from = <-50, 4, -50>  to = <50, 6, 50>  surface = surface { transmission = 1 } }",
+        "box { from = <-50, 5, -50>  to = <50, 10, 50>  surface = surface { thin = true  ior = 1  transmission = 1  "
+        "specular = 0 } }"};
+    static const char pattern[] =
+        "meniscus 1.0 unit mm\n"
+        "medium two_colors { ior = 1.66  extraordinary_ior = 1.49  optic_axis = <1, .6, 0>  absorption = .02  "
+        "extraordinary_absorption = .2 }\n"
+        "cylinder { interior = two_colors  from = <0, 0, 0>  to = <0, 10, 0>  radius = 60 }  %s\n"
+        "camera { from = <30, 40, 9>  to = <0, 10, 0>  projection = orthographic  width = .001 }" TRUTH_SKY;
+    char text[1200];
+    truth_fill(text, sizeof text, pattern, "");
+    const Estimate bare = truth_measure(text, truth_two_skies, 4096, false);
+    for (size_t i = 0; i < COUNT_OF(within); i++) {
+        truth_fill(text, sizeof text, pattern, within[i]);
+        const Estimate through = truth_measure(text, truth_two_skies, 4096, false);
+        truth_alike("a crystal, and one with nothing to be seen in it", bare, through, 4, 0.005);
+    }
+}
+
 /* Crystals in crystals, in oil and across each other, with dispersion and cloudy: in even light they are not to be seen. */
 static void crystals_are_not_seen_in_even_light(void **state)
 {
@@ -208,13 +234,10 @@ static void caustics_are_found(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_plate_polarizes),
-        cmocka_unit_test(crystals_have_two_colors),
-        cmocka_unit_test(images_are_two),
-        cmocka_unit_test(the_axis_turns_with_the_object),
-        cmocka_unit_test(crystals_are_not_seen_in_even_light),
-        cmocka_unit_test(bumps_let_light_out),
-        cmocka_unit_test(caustics_are_found),
+        cmocka_unit_test(a_plate_polarizes),        cmocka_unit_test(crystals_have_two_colors),
+        cmocka_unit_test(images_are_two),           cmocka_unit_test(the_axis_turns_with_the_object),
+        cmocka_unit_test(sheets_leave_waves_alone), cmocka_unit_test(crystals_are_not_seen_in_even_light),
+        cmocka_unit_test(bumps_let_light_out),      cmocka_unit_test(caustics_are_found),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
