@@ -86,6 +86,27 @@ static void through_a_crystal(void **state)
     end(&f);
 }
 
+/* A sheet that is seen nowhere leaves both waves as they are: each leaves the crystal straight on. */
+static void through_a_sheet_in_a_crystal(void **state)
+{
+    (void)state;
+    Followed f;
+    follow(
+        &f,
+        "meniscus 1.0 unit mm medium calcite { ior = 1.6584 extraordinary_ior = 1.4864 optic_axis = <1, 1, 0> }"
+        "box plate { interior = calcite from = <0, -90, -90> to = <10, 90, 90> }"
+        "box sheet { from = <4, -80, -80> to = <14, 80, 80> surface = surface { thin = true ior = 1 transmission = 1 "
+        "specular = 0 } }" FIXTURE_VIEW,
+        vec3(-20, 0, 0), vec3(1, 0, 0), 1e-4f);
+    for (uint32_t way = 0; way < 2; way++) {
+        assert_int_equal(step(&f, way, 1)->wave, step(&f, way, 0)->wave);
+        assert_int_not_equal(step(&f, way, 1)->wave, CRYSTAL_UNPOLARIZED);
+        assert_int_equal(last(&f, way)->turn, LIGHT_LEAVES);
+        assert_same(last(&f, way)->direction.x, 1, 1e-6);
+    }
+    end(&f);
+}
+
 /* A plate, at 30 degrees. */
 static void through_a_plate(void **state)
 {
@@ -316,6 +337,7 @@ static void no_ray_starts_on_a_surface(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(through_a_crystal),
+                                       cmocka_unit_test(through_a_sheet_in_a_crystal),
                                        cmocka_unit_test(through_a_plate),
                                        cmocka_unit_test(bow_of_a_drop),
                                        cmocka_unit_test(ways_carry_all),
