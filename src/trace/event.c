@@ -752,8 +752,11 @@ ATTR_COLD static StraightEnd follow_again(Path *path, const Ray *ray, Straight *
 static inline bool arrive_straight(Path *path, const Ray *ray, Straight *straight)
 {
     Tracer *tracer = path->tracer;
+    const CrystalWave wave = path->wave;
+    path->wave = CRYSTAL_UNPOLARIZED; /* whatever the path is that has come to where light is looked for from */
     StraightEnd end = follow_straight(path, ray, false, straight);
     if (UNLIKELY(end == STRAIGHT_CONTRADICTS)) end = follow_again(path, ray, straight);
+    path->wave = wave;
     tracer->counters.crossings += straight->n_crossings;
     tracer->counters.nesting_faults += straight->n_faults;
     if (UNLIKELY(end == STRAIGHT_LOST)) tracer->out_of_memory = true;

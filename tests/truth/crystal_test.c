@@ -161,6 +161,20 @@ static void sheets_leave_waves_alone(void **state)
     }
 }
 
+/* A lamp in a cloudy crystal of two colours, looked for along ways of either wave: what comes from it to where it is scattered is of both. */
+static void lamps_in_cloudy_crystals(void **state)
+{
+    (void)state;
+    static const char text[] =
+        "meniscus 1.0 unit mm\n"
+        "medium cloudy { ior = 1.5  extraordinary_ior = 1.5001  optic_axis = <0, 0, 1>  absorption = .01  "
+        "extraordinary_absorption = .6  scattering = .01 }\n"
+        "cylinder { interior = cloudy  from = <0, 0, 0>  to = <0, 10, 0>  radius = 60 }\n"
+        "light { shape = sphere  from = <4, 5, 0>  radius = 1.5  radiance = 10 }\n"
+        "camera { from = <0, 40, 0>  to = <0, 10, 0>  projection = orthographic  width = .001  up = <0, 0, 1> }\n";
+    truth_found_alike("a lamp in a cloudy crystal of two colours", text, 1 << 15, 0.02);
+}
+
 /* Crystals in crystals, in oil and across each other, with dispersion and cloudy: in even light they are not to be seen. */
 static void crystals_are_not_seen_in_even_light(void **state)
 {
@@ -234,10 +248,15 @@ static void caustics_are_found(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_plate_polarizes),        cmocka_unit_test(crystals_have_two_colors),
-        cmocka_unit_test(images_are_two),           cmocka_unit_test(the_axis_turns_with_the_object),
-        cmocka_unit_test(sheets_leave_waves_alone), cmocka_unit_test(crystals_are_not_seen_in_even_light),
-        cmocka_unit_test(bumps_let_light_out),      cmocka_unit_test(caustics_are_found),
+        cmocka_unit_test(a_plate_polarizes),
+        cmocka_unit_test(crystals_have_two_colors),
+        cmocka_unit_test(images_are_two),
+        cmocka_unit_test(the_axis_turns_with_the_object),
+        cmocka_unit_test(sheets_leave_waves_alone),
+        cmocka_unit_test(lamps_in_cloudy_crystals),
+        cmocka_unit_test(crystals_are_not_seen_in_even_light),
+        cmocka_unit_test(bumps_let_light_out),
+        cmocka_unit_test(caustics_are_found),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
