@@ -350,8 +350,8 @@ DUMPS = $(if $(shell $(CC) --version | grep -i 'gcc\|free software foundation'),
 lint: ## warnings as errors, layers, manual pages
 	$(MAKE) BUILD=build/lint WERROR=-Werror CFLAGS='$(CFLAGS) $(DUMPS)' build/lint/libmeniscus.a build/lint/meniscus
 	$(if $(DUMPS),awk -f tests/roundtrips.awk $$(find build/lint -name '*.slp[12]' -o -name '*.vect') < /dev/null)
-	@if command -v clang >/dev/null; then for f in $(filter-out src/cli/%.cpp,$(SOURCES)); do \
-	  clang $(CPPFLAGS_ALL) $(CHAFA_CFLAGS) -Ibuild/lint/generated $(CFLAGS_ALL) -Werror -fsyntax-only $$f || exit 1; done; \
+	@if command -v clang >/dev/null; then printf '%s\n' $(filter-out src/cli/%.cpp,$(SOURCES)) | xargs -n 8 -P "$$(nproc)" \
+	  clang $(CPPFLAGS_ALL) $(CHAFA_CFLAGS) -Ibuild/lint/generated $(CFLAGS_ALL) -Werror -fsyntax-only && \
 	  echo "lint: clang has nothing to say"; else echo "lint: no clang here, skipped"; fi
 	@if clang-format --version 2>/dev/null | grep -q ' 14\.'; then clang-format --dry-run -Werror $(FORMATTED) && \
 	  echo "lint: laid out as make format does"; else echo "lint: no clang-format 14 here, skipped"; fi
