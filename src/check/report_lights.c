@@ -1,4 +1,4 @@
-/* report_lights.c - lights without size whose light has to go through curved glass: no path finds them there.
+/* report_lights.c - lights without size whose light has to go through curved glass, or comes off mirrors: no path finds them there.
  * A path that meets a smooth boundary is bent in one direction only, and would have to hit the light by chance; that it
  * is looked for, from where the path is, is of use up to the first such boundary that is not flat (scene/slabs.h).
  * SPDX-License-Identifier: Apache-2.0 */
@@ -52,6 +52,18 @@ static const SightStep *bend_along(const Finder *finder, const SightLine *line)
     return NULL;
 }
 
+/* Whether a surface sends on most of the light that comes to it in one direction, as polished metal does. */
+static bool is_mirror(const Scene *scene, uint32_t object)
+{
+    const double most_alpha = 1e-3, mostly = 0.5; /* see bsdf.h */
+    uint32_t number = scene->objects[object].surface;
+    if (number == SCENE_NONE) return false;
+    const SceneSurface *surface = &scene->surfaces[number];
+    double roughness = (double)surface->spec.specular_roughness;
+    return surface->finished && !surface->mixed && (double)surface->spec.base_metalness >= mostly &&
+           roughness * roughness < most_alpha;
+}
+
 static void add_loss(Fate *fate, const SightStep *bend, double flux)
 {
     uint32_t i = 0;
@@ -70,8 +82,8 @@ Vec3 report_direction(int i, int n, double least_y)
     return vec3(r * cos(golden_angle * i), y, r * sin(golden_angle * i));
 }
 
-/* false when memory ends */
-static bool follow(const Finder *finder, const SceneLight *light, Fate *fate)
+/* mirrored: what comes to mirrors by ways on which nothing is lost. false when memory ends */
+static bool follow(const Finder *finder, const SceneLight *light, Fate *fate, Fate *mirrored)
 {
     for (int i = 0; i < DIRECTIONS; i++) {
         Vec3 local = report_direction(i, DIRECTIONS, light->cos_none);
@@ -81,8 +93,11 @@ static bool follow(const Finder *finder, const SceneLight *light, Fate *fate)
         SightLine line;
         bool found = sight_line_find(finder->compiled, &ray, &line, NULL) == STATUS_OK;
         const SightStep *bend = found ? bend_along(finder, &line) : NULL;
+        const SightStep *end = found && !bend ? sight_line_end(&line) : NULL;
         fate->all += flux;
+        mirrored->all += flux;
         if (bend) add_loss(fate, bend, flux);
+        if (end && is_mirror(finder->compiled->scene, end->object)) add_loss(mirrored, end, flux);
         sight_line_clear(&line);
         if (!found) return false;
     }
@@ -126,6 +141,17 @@ static void report_loss(const Scene *scene, const SceneLight *light, const Fate 
                           "%s has no size, and %.0f %% of its light meets the smooth surface of %s%s, which bends it: "
                           "what is behind gets none of that",
                           light->name, percent, object->name, fate->n > 1 ? " and others" : "");
+    finish_report(light, object, fate, report, diag);
+}
+
+static void report_mirrored(const Scene *scene, const SceneLight *light, const Fate *fate, Diag *diag)
+{
+    const SceneObject *object = worst_bender(scene, fate);
+    Diagnostic *report =
+        diag_report(diag, D_LOST_LIGHT, light->span,
+                    "%s has no size, and %.0f %% of its light meets the polished metal of %s%s: what that "
+                    "throws will not be found",
+                    light->name, 100 * fate->lost / fate->all, object->name, fate->n > 1 ? " and others" : "");
     finish_report(light, object, fate, report, diag);
 }
 
@@ -174,10 +200,12 @@ static void report_each(const Finder *finder, const ReportView *view, uint32_t s
     uint32_t n = 0, n_places = view ? view->n : 0;
     for (uint32_t i = 0; i < scene->n_lights; i++) {
         const SceneLight *light = &scene->lights[i];
-        Fate flux = {0}, way = {0};
+        Fate flux = {0}, way = {0}, mirrored = {0};
         if (light->kind != LIGHT_POINT || n > REPORT_MOST) continue;
-        if (!follow(finder, light, &flux)) return; /* no memory for a warning: what needs more will say so */
+        if (!follow(finder, light, &flux, &mirrored)) return; /* no memory for a warning: what needs more will say so */
         bool loses = flux.lost > worth_a_word * flux.all;
+        if (mirrored.lost > worth_a_word * mirrored.all && ++n <= REPORT_MOST)
+            report_mirrored(scene, light, &mirrored, diag);
         if (!loses && n_places > 0 && !follow_to(finder, light, view, step, &way)) return;
         double part = n_places > 0 ? way.lost * step / view->n_lines : 0;
         if ((!loses && !(part > worth_a_word_in_picture)) || ++n > REPORT_MOST) continue;
@@ -187,7 +215,8 @@ static void report_each(const Finder *finder, const ReportView *view, uint32_t s
             report_dark(scene, light, &way, part, diag);
     }
     if (n > REPORT_MOST)
-        diag_report_nowhere(diag, D_LOST_LIGHT, "and more lights without size shine through what bends their light");
+        diag_report_nowhere(diag, D_LOST_LIGHT,
+                            "and more lights without size shine at what bends or mirrors their light");
 }
 
 void report_lost_lights(const CompiledScene *compiled, const ReportView *view, Diag *diag)
@@ -197,7 +226,7 @@ void report_lost_lights(const CompiledScene *compiled, const ReportView *view, D
     for (uint32_t i = 0; i < scene->n_lights; i++) n_points += scene->lights[i].kind == LIGHT_POINT;
     uint32_t step = 1 + (uint32_t)((uint64_t)n_points * n_places / LINES_TO_PLACES);
     Finder finder = {.compiled = compiled};
-    if (!n_points || !compiled->n_hulls || slabs_find(compiled, &finder.slabs, NULL) != STATUS_OK) return;
+    if (!n_points || slabs_find(compiled, &finder.slabs, NULL) != STATUS_OK) return;
     report_each(&finder, view, step, diag);
     slabs_clear(&finder.slabs);
 }
