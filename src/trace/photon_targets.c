@@ -71,6 +71,13 @@ static double box_area(Box3 box)
     return 2 * (size.x * size.y + size.y * size.z + size.z * size.x);
 }
 
+/* A little more than what is in it, so that no surface lies in a face. */
+static Box3 loosened(Box3 box)
+{
+    Vec3 slack = vec3_scale(vec3_sub(box.max, box.min), 1e-3);
+    return (Box3){vec3_sub(box.min, slack), vec3_add(box.max, slack)};
+}
+
 /* Two boxes become one where that is no larger than both. */
 static void join_boxes(PhotonTargets *targets)
 {
@@ -142,12 +149,7 @@ static void find_boxes(const World *world, const bool *seas, PhotonTargets *targ
     }
     if (many) join_by_place(world, seas, all, targets);
     join_boxes(targets);
-    for (uint32_t i = 0; i < targets->n; i++) {
-        /* a little more than the objects, so that no surface lies in a face */
-        Vec3 slack = vec3_scale(vec3_sub(targets->boxes[i].max, targets->boxes[i].min), 1e-3);
-        targets->boxes[i].min = vec3_sub(targets->boxes[i].min, slack);
-        targets->boxes[i].max = vec3_add(targets->boxes[i].max, slack);
-    }
+    for (uint32_t i = 0; i < targets->n; i++) targets->boxes[i] = loosened(targets->boxes[i]);
 }
 
 /* By area; but tiles get photons by their part of these. Other boxes, which the camera may look at from near by, get them denser
@@ -185,7 +187,7 @@ static bool find_sea(const World *world, bool *objects, PhotonSea *sea)
     for (uint32_t i = 0; i < world->scene->n_objects; i++)
         if (target_of(world, NULL, i, &box, &clear) && clear && photon_is_wide(box) && box_area(box) > largest) {
             largest = box_area(box);
-            sea->bounds = box;
+            sea->bounds = loosened(box);
         }
     if (!(largest > 0)) return false;
     for (uint32_t i = 0; i < world->scene->n_objects; i++)

@@ -328,7 +328,7 @@ static void wide_lakes(void **state)
                  of_sun = measure_total(LAKE_LIGHT(".5deg"), lakes[i].water, camera, 200, CAUSTICS_ON);
         truth_alike(lakes[i].what, by_chance.mean, of_wide_sun.mean, 4, 0.03);
         printf("    %-66s %.2g times the error of a pond\n", "", of_sun.mean.error / pond.mean.error);
-        assert_true(of_sun.mean.error < 2 * pond.mean.error);
+        assert_true(of_sun.mean.error < 3 * pond.mean.error);
     }
 }
 
