@@ -6,6 +6,7 @@
 #include <stdio.h>
 
 #include "image/layer.h"
+#include "render/caught.h"
 
 LightLayers light_layers_of(const Image *image, const LightGroups *groups)
 {
@@ -61,4 +62,19 @@ static void follow_in_color(const LightLayers *layers, Image *image, int color)
 void light_layers_follow(const LightLayers *layers, Image *image)
 {
     for (int color = 0; color < 3 && layers->n > 0; color++) follow_in_color(layers, image, color);
+}
+
+void light_layers_give_up(const LightLayers *layers, const Image *caught, Image *image)
+{
+    const size_t n_pixels = (size_t)image->width * image->height;
+    for (size_t i = 0; i < n_pixels && layers->n > 0; i++) {
+        const float *bare = caught->pixels + i * caught->n_channels + CAUGHT_BARE;
+        float *pixel = image->pixels + i * image->n_channels;
+        if (!(fmaxf(bare[0], fmaxf(bare[1], bare[2])) > 0)) continue;
+        for (int color = 0; color < 3; color++) {
+            double whole = (double)pixel[color], sum = whole - more_than_layers(layers, pixel, color);
+            float left = sum > 0 ? (float)(whole / sum) : 0;
+            for (uint32_t k = 0; k < layers->n; k++) pixel[layers->first + 3 * k + (uint32_t)color] *= left;
+        }
+    }
 }

@@ -17,5 +17,8 @@ LightLayers light_layers_of(const Image *image, const LightGroups *groups);
  * is one group's light that was so bright; and what pixels got is each group's in the proportion in which all were taken from. No group has
  * more or less light afterwards, but for rounding. */
 void light_layers_follow(const LightLayers *layers, Image *image);
+/* A shadow catcher leaves only a part of its light in the picture: from what its pixels have in their layers all groups give up the same
+ * part, so that they add up to the picture. caught: of each pixel, as caught_means has it. */
+void light_layers_give_up(const LightLayers *layers, const Image *caught, Image *image);
 
 #endif

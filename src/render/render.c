@@ -746,7 +746,10 @@ static Status finish(const RenderState *state, bool complete, Pool *pool, Image 
     Status status = film->caught ? caught_means(film, image, &caught, error) : STATUS_OK;
     if (status == STATUS_OK && step <= 1 && state->aovs.guides)
         status = denoise_all(state, &layers, pool, image, &caught, error);
-    if (status == STATUS_OK && film->caught) caught_take_all(film, &caught, image);
+    if (status == STATUS_OK && film->caught) {
+        caught_take_all(film, &caught, image);
+        light_layers_give_up(&layers, &caught, image);
+    }
     image_clear(&caught);
     if (status == STATUS_OK && step > 1) early_fill(film, step, image);
     return status;

@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "truth.h"
 
+#include <string.h>
+
 enum { WIDTH = 12, GROUPS = 7 };
 static const char *const groups[GROUPS] = {"other", "lamp", "far", "sky", "hot", "gas", "beam"};
 
@@ -108,10 +110,31 @@ static void groups_are_the_picture_and_lights_alone(void **state)
     }
 }
 
+/* A ball and its shadow on a floor that is to be laid over a picture: most of the floor's light is not in this one, nor in its layers. */
+static void layers_of_shadow_catchers(void **state)
+{
+    (void)state;
+    Fixture scene;
+    Picture picture;
+    char text[sizeof scene_text + 100];
+    const char *floor = "albedo = .6", *after = strstr(scene_text, floor) + strlen(floor);
+    snprintf(text, sizeof text, "%.*s  shadow_catcher = true%s", (int)(after - scene_text), scene_text, after);
+    truth_open(&scene, (TruthInput){.text = text, .policy = NEST_AUTOMATIC});
+    for (int denoises = 0; denoises < 2; denoises++) {
+        RenderSettings settings = settings_for(64, 7);
+        settings.denoises = denoises == 1;
+        truth_render(&scene, &settings, 0, &picture);
+        expect_sum(&picture);
+        truth_clear(&picture);
+    }
+    fixture_clear(&scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(groups_are_the_picture_and_lights_alone),
+        cmocka_unit_test(layers_of_shadow_catchers),
     };
     return cmocka_run_group_tests_name("light groups", tests, NULL, NULL);
 }
