@@ -35,9 +35,7 @@ static void find_vessels(const CompiledScene *compiled, Vessel *vessels)
         ReportVerdict verdict = report_verdict(compiled, pair);
         if (verdict.kind != VERDICT_RULE || compiled->hulls[verdict.top].state != NEST_SOLID) continue;
         Vessel *vessel = &vessels[verdict.bottom];
-        if (compiled->unbounded[verdict.top]) {
-            vessel->barred = true;
-        } else if (boxes[verdict.top].max.y >= boxes[verdict.bottom].max.y) {
+        if (compiled->unbounded[verdict.top] || boxes[verdict.top].max.y >= boxes[verdict.bottom].max.y) {
             vessel->barred = true;
         } else if (pair->relation == NEST_PARTIAL && may_hold(&boxes[verdict.top], &boxes[verdict.bottom]) &&
                    (vessel->hull == SCENE_NONE || boxes[vessel->hull].max.y < boxes[verdict.top].max.y)) {
