@@ -77,11 +77,11 @@ static void report_one(const CompiledScene *compiled, uint32_t hull, const Conta
     Buf area = {0}, gap = {0};
     report_add_area(&area, compiled->scene, contact->area);
     report_add_length(&gap, compiled->scene, good_gap(compiled, hull, contact->rounding));
-    Diagnostic *report = diag_report(diag, D_OPTICAL_CONTACT, object->span,
-                                     "%s and %s%s, which %s opaque, touch over about %s without any air between, as if "
-                                     "glued: it looks darker there than what only stands on something",
-                                     object->name, opaque->name, contact->others ? " and others" : "",
-                                     contact->others ? "are" : "is", buf_text(&area));
+    Diagnostic *report =
+        diag_report(diag, D_OPTICAL_CONTACT, object->span,
+                    "%s touches the opaque %s%s over about %s without any air between, as if glued: it "
+                    "looks darker there than what only stands on something",
+                    object->name, opaque->name, contact->others ? " and others" : "", buf_text(&area));
     if (n > 1) diag_note_nowhere(diag, report, "and so do %u more that this line places", (unsigned)(n - 1));
     diag_note(diag, report, opaque->span, "%s is here", opaque->name);
     diag_hint(diag, report, "leave a gap of, say, %s", buf_text(&gap));
