@@ -95,7 +95,6 @@ static bool follow(const Finder *finder, const SceneLight *light, Fate *fate, Fa
         const SightStep *bend = found ? bend_along(finder, &line) : NULL;
         const SightStep *end = found && !bend ? sight_line_end(&line) : NULL;
         fate->all += flux;
-        mirrored->all += flux;
         if (bend) add_loss(fate, bend, flux);
         if (end && is_mirror(finder->compiled->scene, end->object)) add_loss(mirrored, end, flux);
         sight_line_clear(&line);
@@ -144,14 +143,15 @@ static void report_loss(const Scene *scene, const SceneLight *light, const Fate 
     finish_report(light, object, fate, report, diag);
 }
 
-static void report_mirrored(const Scene *scene, const SceneLight *light, const Fate *fate, Diag *diag)
+/* part: of its light. */
+static void report_mirrored(const Scene *scene, const SceneLight *light, const Fate *fate, double part, Diag *diag)
 {
     const SceneObject *object = worst_bender(scene, fate);
     Diagnostic *report =
         diag_report(diag, D_LOST_LIGHT, light->span,
                     "%s has no size, and %.0f %% of its light meets the polished metal of %s%s: what that "
                     "throws will not be found",
-                    light->name, 100 * fate->lost / fate->all, object->name, fate->n > 1 ? " and others" : "");
+                    light->name, 100 * part, object->name, fate->n > 1 ? " and others" : "");
     finish_report(light, object, fate, report, diag);
 }
 
@@ -204,8 +204,8 @@ static void report_each(const Finder *finder, const ReportView *view, uint32_t s
         if (light->kind != LIGHT_POINT || n > REPORT_MOST) continue;
         if (!follow(finder, light, &flux, &mirrored)) return; /* no memory for a warning: what needs more will say so */
         bool loses = flux.lost > worth_a_word * flux.all;
-        if (mirrored.lost > worth_a_word * mirrored.all && ++n <= REPORT_MOST)
-            report_mirrored(scene, light, &mirrored, diag);
+        if (mirrored.lost > worth_a_word * flux.all && ++n <= REPORT_MOST)
+            report_mirrored(scene, light, &mirrored, mirrored.lost / flux.all, diag);
         if (!loses && n_places > 0 && !follow_to(finder, light, view, step, &way)) return;
         double part = n_places > 0 ? way.lost * step / view->n_lines : 0;
         if ((!loses && !(part > worth_a_word_in_picture)) || ++n > REPORT_MOST) continue;

@@ -74,6 +74,11 @@ const Hit *path_boundary_hit(Tracer *tracer, const NestList *before, const Hit *
  * owner becomes another, even one of the same medium, and not where an operand has no surface of the whole. from, to: the levels
  * before and behind. */
 const Hit *path_painted_hit(const World *world, const Hit *hits, size_t n, uint32_t from, uint32_t to);
+/* Whether what goes on straight from there is in the medium that it came by: behind a sheet, or paint within one medium. */
+static inline bool event_keeps_medium(const Event *event)
+{
+    return event->kind == EVENT_OPAQUE || event->crossing.medium_from == event->crossing.medium_to;
+}
 /* Follows the path's ray through silent crossings to its next event. Absorption goes into beta. At a boundary
  * tracer->list is the list before it; event->behind says what leads to the one behind it, and path_go_behind and path_copy_behind
  * make that. */

@@ -95,14 +95,13 @@ static void add_way_on(Meeting *met, WayOn way)
 /* Those of a surface that divides light in two. */
 static void add_two_ways(const Path *path, const Event *event, Meeting *met)
 {
-    const bool straight = event->kind == EVENT_OPAQUE || event->crossing.medium_from == event->crossing.medium_to;
     const LightStep *step = &met->step;
     if (step->transmitted > 0)
         add_way_on(met, (WayOn){.passes = true,
                                 .direction = met->on,
                                 .part = step->transmitted,
                                 .angle = step->on,
-                                .wave = straight ? path->wave : CRYSTAL_UNPOLARIZED});
+                                .wave = event_keeps_medium(event) ? path->wave : CRYSTAL_UNPOLARIZED});
     if (step->mirrored > 0 || step->transmitted == 0)
         add_way_on(met, (WayOn){.direction = met->back, .part = step->mirrored});
 }

@@ -94,14 +94,14 @@ static bool surface_of(const Seas *seas, uint32_t i, double normal[3], double *o
 }
 
 /* Of a landing and the surfaces above it, the lowest and the highest. One that is outside, to which light comes off the surface,
- * counts as being there. */
+ * counts as being there. Of a wide object, those of its bounds. */
 static void heights_of(const Seas *seas, const Landing *landing, double heights[2])
 {
     double normal[3], offset;
     const double *p = landing->along;
-    heights[0] = HUGE_VAL;
-    heights[1] = -HUGE_VAL;
-    for (uint32_t i = 0; i < seas->world->compiled->n_planes; i++) {
+    heights[0] = seas->endless ? HUGE_VAL : seas->from[seas->up];
+    heights[1] = seas->endless ? -HUGE_VAL : seas->to[seas->up];
+    for (uint32_t i = 0; seas->endless && i < seas->world->compiled->n_planes; i++) {
         if (!surface_of(seas, i, normal, &offset)) continue;
         double height = normal[0] * p[0] + normal[1] * p[1] + normal[2] * p[2] + offset, slope = normal[seas->up];
         bool steep = fabs(slope) < 1e-3 * (fabs(normal[0]) + fabs(normal[1]) + fabs(normal[2]));
@@ -118,7 +118,7 @@ static void move_to_surface(Seas *seas, const Path *path, Landing *landing)
 {
     const float bright = 0.1f; /* of the brightest */
     const double bent = 0.75;  /* the sine of an angle to the normal, in the water and above */
-    double heights[2] = {seas->from[seas->up], seas->to[seas->up]}, toward[3];
+    double heights[2], toward[3];
     LightSample light;
     Vec3 place = vec3(landing->along[0], landing->along[1], landing->along[2]);
     photon_choose_light(path, NULL, place, vec3f(0, 0, 0), &light);
@@ -126,7 +126,7 @@ static void move_to_surface(Seas *seas, const Path *path, Landing *landing)
     seas->brightest = fmaxf(seas->brightest, radiance);
     if (radiance > 0 && radiance >= bright * seas->brightest) seas->light = light;
     if (!(seas->brightest > 0) || isfinite(seas->light.distance)) return;
-    if (seas->endless) heights_of(seas, landing, heights);
+    heights_of(seas, landing, heights);
     coordinates(vec3_from_f(seas->light.direction), toward);
     double up = toward[seas->up], height = landing->along[seas->up],
            way = up > 0 ? heights[1] - height : height - heights[0];
@@ -218,22 +218,23 @@ static int thin_axis(const double from[3], const double to[3])
     return thin;
 }
 
-/* Tiles go all the way along the axis that is nearest to the surfaces' normals; false: no sea has a surface. */
+/* Tiles go all the way along the axis that is nearest to the surfaces' normals, or along which a wide object is thinnest; false: no sea has a
+ * surface. */
 static bool find_axes(Seas *seas)
 {
     double sum[3] = {0}, normal[3], offset;
-    bool any = !seas->endless;
-    if (any) sum[thin_axis(seas->from, seas->to)] = 1;
-    for (uint32_t i = 0; seas->endless && i < seas->world->compiled->n_planes; i++) {
+    bool any = false;
+    for (uint32_t i = 0; i < seas->world->compiled->n_planes; i++) {
         if (!surface_of(seas, i, normal, &offset)) continue;
         double length = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
         for (int axis = 0; axis < 3; axis++) sum[axis] += fabs(normal[axis]) / length;
         any = true;
     }
     seas->up = sum[1] >= sum[0] && sum[1] >= sum[2] ? 1 : sum[0] >= sum[2] ? 0 : 2;
+    if (!seas->endless) seas->up = thin_axis(seas->from, seas->to);
     seas->level[0] = seas->up == 0 ? 1 : 0;
     seas->level[1] = seas->up == 2 ? 1 : 2;
-    return any;
+    return any || !seas->endless;
 }
 
 /* ---- tiles ---- */
@@ -328,11 +329,6 @@ static int compare_depths(const void *left, const void *right)
 static void find_heights(Seas *seas, double heights[2])
 {
     double here[2];
-    if (!seas->endless) {
-        heights[0] = seas->from[seas->up];
-        heights[1] = seas->to[seas->up];
-        return;
-    }
     for (uint32_t i = 0; i < seas->n; i++) {
         heights_of(seas, &seas->landings[i], here);
         seas->landings[i].depth = here[1] - here[0];

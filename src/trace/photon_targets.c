@@ -46,15 +46,13 @@ static bool is_sea(const World *world, uint32_t number)
            compiled->unbounded[hull] && bends(world, object->medium);
 }
 
-/* The box of an object that photons should be sent to; false: none. seas: of objects, those that have tiles; NULL: none.
- * *clear (NULL: unwanted): light goes through it. */
-static bool target_of(const World *world, const bool *seas, uint32_t number, Box3 *box, bool *clear)
+/* The box of an object that photons should be sent to; false: none. seas: of objects, those that have tiles; NULL: none. */
+static bool target_of(const World *world, const bool *seas, uint32_t number, Box3 *box)
 {
     const CompiledScene *compiled = world->compiled;
     const SceneObject *object = &world->scene->objects[number];
     if (object->part_of != SCENE_NONE || (seas && seas[number])) return false;
     uint32_t hull = compiled->hull_of_object[number];
-    if (clear) *clear = object->medium != SCENE_NONE;
     if (object->medium != SCENE_NONE) {
         if (hull == SCENE_NONE || hull >= compiled->n_hulls || !bends(world, object->medium)) return false;
         *box = compiled->found_bounds[hull];
@@ -99,7 +97,7 @@ static void join_by_place(const World *world, const bool *seas, Box3 all, Photon
     Vec3 size = vec3_sub(all.max, all.min);
     for (int i = 0; i < PARTS * PARTS * PARTS; i++) cells[i] = box3_empty();
     for (uint32_t i = 0; i < world->scene->n_objects; i++) {
-        if (!target_of(world, seas, i, &box, NULL)) continue;
+        if (!target_of(world, seas, i, &box)) continue;
         Vec3 centre = vec3_sub(vec3_scale(vec3_add(box.min, box.max), 0.5), all.min);
         double along[3] = {centre.x, centre.y, centre.z}, sizes[3] = {size.x, size.y, size.z};
         int cell = 0;
@@ -142,7 +140,7 @@ static void find_boxes(const World *world, const bool *seas, PhotonTargets *targ
     Box3 all = box3_empty(), box;
     bool many = false;
     for (uint32_t i = 0; i < world->scene->n_objects; i++) {
-        if (!target_of(world, seas, i, &box, NULL)) continue;
+        if (!target_of(world, seas, i, &box)) continue;
         all = box3_union(all, box);
         many |= targets->n == PHOTON_TARGETS;
         if (!many) targets->boxes[targets->n++] = box;
@@ -178,20 +176,22 @@ static void share_out(const PhotonTile *tiles, PhotonTargets *targets)
  * all targets in its box. */
 static bool find_sea(const World *world, bool *objects, PhotonSea *sea)
 {
-    bool any = false, clear;
+    const Scene *scene = world->scene;
+    bool any = false;
     double largest = 0;
     Box3 box;
     *sea = (PhotonSea){objects, box3_empty()};
-    for (uint32_t i = 0; i < world->scene->n_objects; i++) any |= objects[i] = is_sea(world, i);
+    for (uint32_t i = 0; i < scene->n_objects; i++) any |= objects[i] = is_sea(world, i);
     if (any) return true;
-    for (uint32_t i = 0; i < world->scene->n_objects; i++)
-        if (target_of(world, NULL, i, &box, &clear) && clear && photon_is_wide(box) && box_area(box) > largest) {
+    for (uint32_t i = 0; i < scene->n_objects; i++)
+        if (scene->objects[i].medium != SCENE_NONE && target_of(world, NULL, i, &box) && photon_is_wide(box) &&
+            box_area(box) > largest) {
             largest = box_area(box);
             sea->bounds = loosened(box);
         }
     if (!(largest > 0)) return false;
-    for (uint32_t i = 0; i < world->scene->n_objects; i++)
-        objects[i] = target_of(world, NULL, i, &box, &clear) && box3_holds(sea->bounds, box);
+    for (uint32_t i = 0; i < scene->n_objects; i++)
+        objects[i] = target_of(world, NULL, i, &box) && box3_holds(sea->bounds, box);
     return true;
 }
 

@@ -264,8 +264,7 @@ static bool choose_direction(Path *path, const Bsdf *bsdf, const SurfacePlace *p
 /* Whether it goes on as if nothing were there: through a sheet, or past paint within one medium. */
 static bool goes_straight(const Event *event, const BsdfSample *sample)
 {
-    return sample->specular && sample->transmitted &&
-           (event->kind == EVENT_OPAQUE || event->crossing.medium_from == event->crossing.medium_to);
+    return sample->specular && sample->transmitted && event_keeps_medium(event);
 }
 
 /* Light that has gone through a sheet is bent at the boundary in which that lies, and straight looks do not go there. */
